@@ -1,0 +1,72 @@
+//! Equilibria `G(u, 0, p) = 0` as a curve in one parameter.
+
+use crate::continuation::{Border, Factored, System};
+use crate::linalg::{Bordered, Eigenpair, Singular, pencil};
+use crate::problem::{At, Direction, Problem};
+use faer::Mat;
+use std::sync::Arc;
+
+/// The system; arclength counts the root mean square of u over `scale_state`, and lambda over `scale_lambda`.
+#[derive(Clone)]
+pub struct Equilibria {
+    pub problem: Arc<dyn Problem>,
+    pub p: Vec<f64>,
+    pub free: usize,
+    pub scale_state: f64,
+    pub scale_lambda: f64,
+}
+
+impl Equilibria {
+    pub fn parameters(&self, lambda: f64) -> Vec<f64> {
+        let mut p = self.p.clone();
+        p[self.free] = lambda;
+        p
+    }
+
+    /// Eigenvalues at an equilibrium, rightmost first; vectors with the first `vectors`. The shift is kept where no
+    /// eigenvalue can be: right of all that were found last (`rightmost`, `size` their scale).
+    pub fn spectrum(&self, u: &[f64], lambda: f64, shift: f64, vectors: usize) -> Result<Vec<Eigenpair>, Singular> {
+        let n = u.len();
+        let (rest, p) = (vec![0.0; n], self.parameters(lambda));
+        let (mut gu, mut gv) = (Mat::zeros(n, n), Mat::zeros(n, n));
+        self.problem.linearise(At { u, v: &rest, p: &p }, gu.as_mut(), gv.as_mut());
+        pencil(gu.as_ref(), gv.as_ref(), shift, vectors)
+    }
+}
+
+impl System for Equilibria {
+    type Factors = Bordered<f64>;
+
+    fn residual(&self, x: &[f64], lambda: f64, r: &mut [f64]) {
+        let rest = vec![0.0; x.len()];
+        self.problem.residual(At { u: x, v: &rest, p: &self.parameters(lambda) }, r);
+    }
+
+    fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<Bordered<f64>, Singular> {
+        let n = x.len();
+        let (rest, p) = (vec![0.0; n], self.parameters(lambda));
+        let at = At { u: x, v: &rest, p: &p };
+        let (mut gu, mut gv) = (Mat::zeros(n, n), Mat::zeros(n, n));
+        self.problem.linearise(at, gu.as_mut(), gv.as_mut());
+        let mut unit = vec![0.0; p.len()];
+        unit[self.free] = 1.0;
+        let mut by_lambda = vec![0.0; n];
+        self.problem.derivative(at, &[Direction { u: &[], v: &[], p: &unit }], &mut by_lambda);
+        Bordered::new(gu.as_ref(), &by_lambda, &border.row, border.lambda)
+    }
+
+    fn dual(&self, t: &[f64]) -> Vec<f64> {
+        let weight = 1.0 / (t.len() as f64 * self.scale_state.powi(2));
+        t.iter().map(|t| weight * t).collect()
+    }
+
+    fn dual_lambda(&self) -> f64 {
+        self.scale_lambda.powi(-2)
+    }
+}
+
+impl Factored for Bordered<f64> {
+    fn solve(&self, right: &mut [f64]) {
+        Bordered::solve(self, right);
+    }
+}

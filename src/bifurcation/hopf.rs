@@ -1,0 +1,218 @@
+//! Hopf points on their exact defining system.
+//!
+//! With `A(sigma) = G_u + sigma G_v` at an equilibrium, the complex scalar g of the bordered system
+//!
+//! ```text
+//! [ A(i omega)  b ] [q]   [0]        [ A^H  c ] [w]   [0]
+//! [ c^H         0 ] [g] = [1],       [ b^H  0 ] [h] = [1]
+//! ```
+//!
+//! vanishes exactly where i omega is an eigenvalue, and `dg = -w^H dA q` (Griewank and Reddien 1983,
+//! doi:10.1093/imanum/3.3.295; Govaerts 2000, doi:10.1137/1.9780898719543). Newton's method on `G = 0, g = 0` in (u, p, omega) is done by
+//! block elimination with factors of G_u and of the bordered matrix alone, so it stays n by n and converges
+//! quadratically to rounding. Second derivatives are exact.
+
+use crate::linalg::{Bordered, Lu, Singular, c64, dot};
+use crate::problem::{At, Direction, Problem};
+use faer::Mat;
+use thiserror::Error;
+
+/// A Hopf point with its eigenvectors, `q^H q = 1`, `w^H M q = 1`.
+#[derive(Clone, Debug)]
+pub struct Hopf {
+    pub u: Vec<f64>,
+    pub p: Vec<f64>,
+    pub omega: f64,
+    pub q: Vec<c64>,
+    pub w: Vec<c64>,
+    /// d sigma / dp along the branch of equilibria, p being the free parameter.
+    pub slope: c64,
+}
+
+#[derive(Debug, Error, PartialEq)]
+pub enum HopfError {
+    #[error(transparent)]
+    Singular(#[from] Singular),
+    #[error("Newton's method on the Hopf point did not converge (last relative step {0:.1e})")]
+    Diverged(f64),
+}
+
+const MOST_STEPS: usize = 25;
+
+impl Hopf {
+    /// Solves for a Hopf point near (u, p, omega, q) with `p[free]` unknown.
+    pub fn locate(
+        problem: &dyn Problem,
+        (u, p): (&[f64], &[f64]),
+        free: usize,
+        omega: f64,
+        q: &[c64],
+    ) -> Result<Self, HopfError> {
+        let n = problem.dim();
+        let mut hopf =
+            Self { u: u.to_vec(), p: p.to_vec(), omega, q: q.to_vec(), w: q.to_vec(), slope: c64::new(0.0, 0.0) };
+        let size_p = p[free].abs().max(f64::MIN_POSITIVE);
+        let mut last = f64::INFINITY;
+        for step in 0..MOST_STEPS {
+            let frame = Frame::new(problem, &hopf, free)?;
+            hopf.q = frame.q.clone();
+            hopf.w = frame.w.clone();
+            // [g_p g_omega] [dp; domega] = -(g + g_u du0), du0 = -G_u^-1 G
+            let shifted = frame.g + frame.along(&frame.correction, 0.0, problem, &hopf, free);
+            let g_p = frame.along(&frame.du_dp, 1.0, problem, &hopf, free);
+            let g_omega = c64::new(0.0, 1.0) * frame.mass;
+            let determinant = g_p.re * g_omega.im - g_p.im * g_omega.re;
+            let dp = (-shifted.re * g_omega.im + shifted.im * g_omega.re) / determinant;
+            let domega = (-shifted.im * g_p.re + shifted.re * g_p.im) / determinant;
+            for i in 0..n {
+                hopf.u[i] += frame.correction[i] + dp * frame.du_dp[i];
+            }
+            hopf.p[free] += dp;
+            hopf.omega += domega;
+            let size = (dp / size_p).abs().max((domega / hopf.omega).abs());
+            // Rounding is reached when steps stop shrinking.
+            if size < 1e-15 || (size < 1e-9 && step > 1 && size > 0.3 * last) {
+                return hopf.normalised(problem, free);
+            }
+            if !size.is_finite() {
+                return Err(HopfError::Diverged(size));
+            }
+            last = size;
+        }
+        if last < 1e-9 { hopf.normalised(problem, free) } else { Err(HopfError::Diverged(last)) }
+    }
+
+    /// Eigenvectors and slope at the converged point: `q^H q = 1`, `w^H M q = 1`.
+    fn normalised(mut self, problem: &dyn Problem, free: usize) -> Result<Self, HopfError> {
+        let frame = Frame::new(problem, &self, free)?;
+        let norm = frame.q.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
+        // A defined phase: the largest entry of q is real and positive.
+        let pivot = frame.q.iter().copied().fold(c64::new(0.0, 0.0), |a, b| if b.norm() > a.norm() { b } else { a });
+        let turn = pivot.conj() / (pivot.norm() * norm);
+        // g_sigma = -w^H M q, so `frame.mass` is minus the product to normalise.
+        let product = -frame.mass * turn;
+        self.slope = -frame.along(&frame.du_dp, 1.0, problem, &self, free) / frame.mass;
+        self.q = frame.q.iter().map(|z| z * turn).collect();
+        self.w = frame.w.iter().map(|z| z / product.conj()).collect();
+        Ok(self)
+    }
+}
+
+/// Everything that one Newton step needs at a trial point.
+struct Frame {
+    g: c64,
+    q: Vec<c64>,
+    w: Vec<c64>,
+    /// `-w^H G_v q`, the derivative of g with respect to sigma.
+    mass: c64,
+    /// `-G_u^-1 G`.
+    correction: Vec<f64>,
+    /// du/dp along the branch, `-G_u^-1 G_p`.
+    du_dp: Vec<f64>,
+}
+
+impl Frame {
+    fn new(problem: &dyn Problem, hopf: &Hopf, free: usize) -> Result<Self, Singular> {
+        let n = problem.dim();
+        let rest = vec![0.0; n];
+        let at = At { u: &hopf.u, v: &rest, p: &hopf.p };
+        let (mut gu, mut gv) = (Mat::zeros(n, n), Mat::zeros(n, n));
+        problem.linearise(at, gu.as_mut(), gv.as_mut());
+        let lu = Lu::new(gu.as_ref())?;
+        let mut correction = vec![0.0; n];
+        problem.residual(at, &mut correction);
+        lu.solve(&mut correction);
+        correction.iter_mut().for_each(|c| *c = -*c);
+        let mut e = vec![0.0; hopf.p.len()];
+        e[free] = 1.0;
+        let mut du_dp = vec![0.0; n];
+        problem.derivative(at, &[Direction { u: &[], v: &[], p: &e }], &mut du_dp);
+        lu.solve(&mut du_dp);
+        du_dp.iter_mut().for_each(|c| *c = -*c);
+
+        let a = Mat::from_fn(n, n, |i, j| c64::new(gu[(i, j)], hopf.omega * gv[(i, j)]));
+        let unit = |z: &[c64]| -> Vec<c64> {
+            let norm = z.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
+            z.iter().map(|z| z / norm).collect()
+        };
+        // Borders with entries of A's own size keep the bordered matrix well conditioned.
+        let size = a.norm_max();
+        let b: Vec<c64> = unit(&hopf.w).iter().map(|z| z * size).collect();
+        let c: Vec<c64> = unit(&hopf.q).iter().map(|z| z * size).collect();
+        let bordered = Bordered::new(a.as_ref(), &b, &c, c64::new(0.0, 0.0))?;
+        let mut right = vec![c64::new(0.0, 0.0); n + 1];
+        right[n] = c64::new(size, 0.0);
+        let mut left = right.clone();
+        bordered.solve(&mut right);
+        bordered.solve_adjoint(&mut left);
+        let g = right[n];
+        right.truncate(n);
+        left.truncate(n);
+        let mut mass = c64::new(0.0, 0.0);
+        for i in 0..n {
+            let row: c64 = (0..n).map(|j| right[j] * gv[(i, j)]).sum();
+            mass -= left[i].conj() * row;
+        }
+        // The two borders were scaled: w^H b = size, so dg = -w^H dA q / size.
+        let mass = mass / size;
+        Ok(Self { g, q: right, w: left.iter().map(|z| z / size).collect(), mass, correction, du_dp })
+    }
+
+    /// Derivative of g along (du, dp): `-w^H (D²G [(q, i omega q), (du, 0, dp)])`.
+    fn along(&self, du: &[f64], dp: f64, problem: &dyn Problem, hopf: &Hopf, free: usize) -> c64 {
+        let n = problem.dim();
+        let rest = vec![0.0; n];
+        let at = At { u: &hopf.u, v: &rest, p: &hopf.p };
+        let mut e = vec![0.0; hopf.p.len()];
+        e[free] = dp;
+        let second = Direction { u: du, v: &[], p: &e };
+        let [real, imaginary] = Complex::new(&self.q, hopf.omega).split();
+        let mut product = c64::new(0.0, 0.0);
+        let mut out = vec![0.0; n];
+        for (part, unit) in [(&real, c64::new(1.0, 0.0)), (&imaginary, c64::new(0.0, 1.0))] {
+            problem.derivative(at, &[part.direction(), second], &mut out);
+            product -= unit * self.w.iter().zip(&out).map(|(w, &o)| w.conj() * o).sum::<c64>();
+        }
+        product
+    }
+}
+
+/// A complex direction (q, sigma q) of (u, v).
+pub(super) struct Complex {
+    pub u: Vec<c64>,
+    pub v: Vec<c64>,
+}
+
+/// Its real or imaginary part.
+pub(super) struct Part {
+    u: Vec<f64>,
+    v: Vec<f64>,
+}
+
+impl Complex {
+    /// (q, i omega q).
+    pub fn new(q: &[c64], omega: f64) -> Self {
+        Self { u: q.to_vec(), v: q.iter().map(|z| z * c64::new(0.0, omega)).collect() }
+    }
+
+    pub fn conjugate(&self) -> Self {
+        let conj = |z: &[c64]| z.iter().map(|z| z.conj()).collect();
+        Self { u: conj(&self.u), v: conj(&self.v) }
+    }
+
+    pub fn split(&self) -> [Part; 2] {
+        let take = |f: fn(&c64) -> f64| Part { u: self.u.iter().map(f).collect(), v: self.v.iter().map(f).collect() };
+        [take(|z| z.re), take(|z| z.im)]
+    }
+}
+
+impl Part {
+    pub fn direction(&self) -> Direction<'_> {
+        Direction { u: &self.u, v: &self.v, p: &[] }
+    }
+
+    /// Whether the direction is zero, so that derivatives along it need not be computed.
+    pub fn vanishes(&self) -> bool {
+        dot(&self.u, &self.u) + dot(&self.v, &self.v) == 0.0
+    }
+}

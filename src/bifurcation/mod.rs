@@ -1,0 +1,11 @@
+//! Where the number or the stability of solutions changes, and what is born there.
+
+mod branches;
+mod equilibria;
+mod hopf;
+mod normal_form;
+
+pub use branches::{Ambiguous, Followed, follow};
+pub use equilibria::Equilibria;
+pub use hopf::{Hopf, HopfError};
+pub use normal_form::HopfNormalForm;

@@ -1,0 +1,104 @@
+//! What a study found, as plain data: branches (tables of numbers), special points, and how they are stored.
+//!
+//! A [`Branch`] knows nothing of the problem that it came from; it can be written, read back, plotted and resumed from.
+
+mod archive;
+mod csv;
+mod store;
+mod table;
+
+pub use archive::{Array, read_arrays, write_point};
+pub use store::{StoreError, write_atomically};
+pub use table::{read_branch, write_branch};
+
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// What kind of solutions the rows of a branch are.
+#[derive(Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq)]
+#[serde(rename_all = "kebab-case")]
+pub enum BranchKind {
+    Equilibria,
+    Cycles,
+}
+
+/// A named column of a branch, with its unit ("" for a pure number).
+#[derive(Serialize, Deserialize, Clone, Debug, PartialEq, Eq)]
+pub struct Column {
+    pub name: String,
+    pub unit: String,
+}
+
+/// One accepted point of a branch. `values` has one entry per column; `None` where a number does not exist.
+#[derive(Serialize, Deserialize, Clone, Debug, PartialEq, Default)]
+pub struct Row {
+    /// The label without the branch's name, "HB1", if this is a special point.
+    pub label: Option<String>,
+    /// `None` where the scene did not ask for stability.
+    pub stable: Option<bool>,
+    pub values: Vec<Option<f64>>,
+}
+
+/// The field's names of special points (AUTO's names, never its integer codes).
+#[derive(Serialize, Deserialize, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    /// Hopf point.
+    HB,
+    /// Fold.
+    LP,
+    /// Exceptional point: two eigenvalues coalesce, a pair is born or dies on the real axis.
+    XP,
+    /// User value.
+    UZ,
+    /// End of the branch.
+    EP,
+    /// No convergence.
+    MX,
+}
+
+impl std::fmt::Display for Kind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{self:?}")
+    }
+}
+
+/// A point of a branch that has a name: "straight/HB1".
+#[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
+pub struct SpecialPoint {
+    pub label: String,
+    pub kind: Kind,
+    /// Row of the branch that holds this point.
+    pub row: usize,
+    /// All parameters of the model at this point.
+    pub parameters: BTreeMap<String, f64>,
+    pub values: BTreeMap<String, f64>,
+    /// Estimates of the total numerical error of entries of `parameters` and `values`.
+    pub errors: BTreeMap<String, f64>,
+    /// State, mesh, eigenvectors, waveform: what `points/LABEL.npz` holds.
+    pub arrays: BTreeMap<String, Array>,
+}
+
+/// A table of solutions along one curve.
+#[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
+pub struct Branch {
+    pub name: String,
+    pub kind: BranchKind,
+    /// The free parameters.
+    pub free: Vec<String>,
+    pub columns: Vec<Column>,
+    pub rows: Vec<Row>,
+    pub points: Vec<SpecialPoint>,
+}
+
+impl Branch {
+    /// Index of a column by name.
+    pub fn column(&self, name: &str) -> Option<usize> {
+        self.columns.iter().position(|c| c.name == name)
+    }
+
+    /// The special point "NAME/LABEL" or "LABEL".
+    pub fn point(&self, label: &str) -> Option<&SpecialPoint> {
+        let short = |l: &str| l.rsplit('/').next().unwrap_or(l).to_owned();
+        self.points.iter().find(|p| short(&p.label) == short(label))
+    }
+}

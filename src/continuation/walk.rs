@@ -1,0 +1,159 @@
+//! The walk along a curve: an iterator of accepted steps.
+
+use super::{Border, Corrected, Counts, Failure, Point, StepControl, System, at_lambda, correct, inner};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Why a walk ended.
+#[derive(Clone, Debug, Error, PartialEq, Serialize, Deserialize)]
+pub enum Stop {
+    #[error("end of the range")]
+    RangeEnd,
+    #[error("the branch closed on itself")]
+    Closed,
+    #[error("max_points reached")]
+    MaxPoints,
+    #[error("no step of at least {least:.1e} converges at {lambda}: {reason}")]
+    Stagnation { least: f64, lambda: f64, reason: String },
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// What a walk must remember to go on later exactly as if it had not stopped.
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+pub struct WalkState {
+    pub point: Point,
+    pub control: StepControl,
+    /// Change of the tangent per arclength over the last step, for the predictor.
+    bend: Option<(Vec<f64>, f64)>,
+    first: Option<Point>,
+    steps: usize,
+}
+
+/// A step from one solution to the next, both on the same mesh.
+pub struct Step<F> {
+    pub from: Point,
+    pub to: Point,
+    /// Factors at `to`.
+    pub factors: F,
+    /// Set on the last step.
+    pub stop: Option<Stop>,
+}
+
+/// Follows `H(x, lambda) = 0` while lambda stays in a range.
+pub struct Walk<'a, S: System> {
+    pub system: &'a mut S,
+    pub state: WalkState,
+    pub counts: Counts,
+    range: (f64, f64),
+}
+
+impl<'a, S: System> Walk<'a, S> {
+    /// From a solution with its tangent; `range` has the lower end first.
+    pub fn new(system: &'a mut S, point: Point, control: StepControl, range: (f64, f64)) -> Self {
+        let state = WalkState { point, control, bend: None, first: None, steps: 0 };
+        Self::resume(system, state, range)
+    }
+
+    pub fn resume(system: &'a mut S, state: WalkState, range: (f64, f64)) -> Self {
+        Self { system, state, counts: Counts::default(), range }
+    }
+
+    /// The next accepted step, or the reason why there is none.
+    pub fn step(&mut self) -> Result<Step<S::Factors>, Stop> {
+        let mut from = self.state.point.clone();
+        if self.system.prepare(&mut from) {
+            self.state.bend = None;
+        }
+        loop {
+            let h = self.state.control.step;
+            match self.attempt(&from, h) {
+                Ok(corrected) => {
+                    if let Some(end) = self.beyond(corrected.point.lambda) {
+                        return self.finish(from, &corrected.point, end);
+                    }
+                    return Ok(self.accept(from, corrected, h));
+                }
+                Err(failure) => {
+                    if !self.state.control.fail() {
+                        let least = self.state.control.least;
+                        return Err(Stop::Stagnation { least, lambda: from.lambda, reason: failure.to_string() });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Predicts at arclength h from a point and corrects on the hyperplane across the tangent.
+    fn attempt(&mut self, from: &Point, h: f64) -> Result<Corrected<S::Factors>, Failure> {
+        let (x, lambda) = self.predict(from, h);
+        let border = self.border(from);
+        let corrected = correct(&*self.system, (x, lambda), &border, &mut self.counts)?;
+        // A turn by more than a right angle means that another part of the curve was hit.
+        let to = &corrected.point;
+        let cosine = inner(&*self.system, (&from.tangent, from.tangent_lambda), (&to.tangent, to.tangent_lambda));
+        if cosine < 0.5 || corrected.distance > h { Err(Failure::Diverged(corrected.distance)) } else { Ok(corrected) }
+    }
+
+    fn predict(&self, from: &Point, h: f64) -> (Vec<f64>, f64) {
+        let mut x: Vec<f64> = from.x.iter().zip(&from.tangent).map(|(x, t)| x + h * t).collect();
+        let mut lambda = from.lambda + h * from.tangent_lambda;
+        if let Some((bend, bend_lambda)) = &self.state.bend {
+            x.iter_mut().zip(bend).for_each(|(x, b)| *x += 0.5 * h * h * b);
+            lambda += 0.5 * h * h * bend_lambda;
+        }
+        (x, lambda)
+    }
+
+    fn border(&self, from: &Point) -> Border {
+        Border { row: self.system.dual(&from.tangent), lambda: self.system.dual_lambda() * from.tangent_lambda }
+    }
+
+    fn accept(&mut self, from: Point, corrected: Corrected<S::Factors>, h: f64) -> Step<S::Factors> {
+        let to = corrected.point;
+        let cosine =
+            inner(&*self.system, (&from.tangent, from.tangent_lambda), (&to.tangent, to.tangent_lambda)).min(1.0);
+        self.state.control.succeed(corrected.steps, cosine.acos(), corrected.distance / h);
+        let bend = to.tangent.iter().zip(&from.tangent).map(|(a, b)| (a - b) / h).collect();
+        self.state.bend = Some((bend, (to.tangent_lambda - from.tangent_lambda) / h));
+        self.state.steps += 1;
+        let stop = self.closed(&to, h).then_some(Stop::Closed);
+        if self.state.first.is_none() {
+            self.state.first = Some(from.clone());
+        }
+        self.state.point = to.clone();
+        Step { from, to, factors: corrected.factors, stop }
+    }
+
+    /// Whether the curve is back at its first point, going the same way.
+    fn closed(&self, to: &Point, h: f64) -> bool {
+        let Some(first) = self.state.first.as_ref().filter(|first| first.x.len() == to.x.len()) else { return false };
+        let gap: Vec<f64> = to.x.iter().zip(&first.x).map(|(a, b)| a - b).collect();
+        let gap = (&gap[..], to.lambda - first.lambda);
+        let near = inner(&*self.system, gap, gap).sqrt() < h;
+        let along = inner(&*self.system, (&to.tangent, to.tangent_lambda), (&first.tangent, first.tangent_lambda));
+        self.state.steps > 3 && near && along > 0.9
+    }
+
+    /// The end of the range that lambda has passed.
+    fn beyond(&self, lambda: f64) -> Option<f64> {
+        let (low, high) = self.range;
+        if lambda >= high {
+            Some(high)
+        } else if lambda <= low {
+            Some(low)
+        } else {
+            None
+        }
+    }
+
+    /// The last step, exactly to the end of the range, between the last point and one beyond it.
+    fn finish(&mut self, from: Point, beyond: &Point, end: f64) -> Result<Step<S::Factors>, Stop> {
+        let stagnation = |failure: Failure| Stop::Stagnation { least: 0.0, lambda: end, reason: failure.to_string() };
+        let corrected = at_lambda(&*self.system, (&from, beyond), end, &mut self.counts).map_err(stagnation)?;
+        let to = corrected.point;
+        self.state.point = to.clone();
+        self.state.steps += 1;
+        Ok(Step { from, to, factors: corrected.factors, stop: Some(Stop::RangeEnd) })
+    }
+}

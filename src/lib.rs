@@ -1,0 +1,10 @@
+pub mod bifurcation;
+pub mod branch;
+pub mod cli;
+pub mod continuation;
+pub mod linalg;
+pub mod models;
+pub mod orbit;
+pub mod plot;
+pub mod problem;
+pub mod scene;

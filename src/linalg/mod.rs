@@ -1,0 +1,22 @@
+//! Dense linear algebra on faer: factor once, solve often. Everything here runs on one thread; parallelism belongs
+//! to those who have several systems to solve.
+
+mod eigen;
+mod lu;
+mod matrix;
+
+pub use eigen::{Eigenpair, pencil};
+pub use lu::{Bordered, Lu, Singular};
+pub use matrix::{Matrix, Structure};
+
+pub use faer::c64;
+
+/// The dot product.
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Whether every entry is finite.
+pub fn finite(a: &[f64]) -> bool {
+    a.iter().all(|a| a.is_finite())
+}

@@ -1,0 +1,163 @@
+//! Exact G_u and G_v of the two-doublet model as matrix products.
+//!
+//! A change q of psi_n turns t into n q and n into -t q, moves the doublet by w = int q n and, at fixed psi_t, changes
+//! its velocity by y = -int psi_t t q. So with P, V the columns of w and y for all basis functions, resolved along t
+//! and n, W the weights, and G the load beyond a point,
+//!
+//! ```text
+//! G_u = I + B^T [-t.G + W m'] B + P_t^T W [tau_T V_t + (eps f_N - (tau_N - tau_T) v.n) B]
+//!                               + P_n^T W [tau_N V_n - (eps P D + (tau_N - tau_T) v.t) B + eps eps' H]
+//! G_v = P_t^T W tau_T P_t + P_n^T W [tau_N P_n + eps eps' beta_N C B] + beta_T/2 B^T W B
+//! ```
+//!
+//! where H = -d f_N / d Delta, C integrates from 0, and eps' is the sign of the doublet that is varied.
+
+use super::two_doublet::{EPS, Law, TwoDoublet};
+use crate::problem::At;
+use faer::linalg::matmul::matmul;
+use faer::reborrow::ReborrowMut;
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+
+pub(super) fn fill(model: &TwoDoublet, at: At, mut gu: MatMut<'_, f64>, mut gv: MatMut<'_, f64>) {
+    let basis = &model.basis;
+    let (k, m) = (basis.functions, basis.points);
+    let (b, w) = (&basis.value, &basis.w);
+    let groups = model.groups(at.p);
+    let distribution = model.distribution(at.p);
+    let (psi, psi_t) = (model.on_points(at.u), model.on_points(at.v));
+    let delta: Vec<f64> = (0..m).map(|i| psi[0][i] - psi[1][i]).collect();
+    let delta_t: Vec<f64> = (0..m).map(|i| psi_t[0][i] - psi_t[1][i]).collect();
+    let f_n = model.normal_force(&groups, &delta, &delta_t);
+    let coupling = [stiffness(model, &groups, &delta), scaled_rows(&basis.integrated_value, |_| groups.beta_n)];
+
+    // The shear moment acts alike on both doublets, whichever is varied.
+    let shear = |coefficient: &dyn Fn(f64) -> f64| -> Mat<f64> {
+        let weighted = scaled_rows(b, |i| 0.5 * w[i] * coefficient(0.5 * (psi[0][i] + psi[1][i])));
+        product(b.as_ref().transpose(), weighted.as_ref())
+    };
+    let shear = [shear(&|mean| groups.kappa_t + 3.0 * groups.kappa_3t * mean * mean), shear(&|_| groups.beta_t)];
+
+    for n in 0..2 {
+        let traction = model.traction(EPS[n], &groups, (&psi[n], &psi_t[n]), (&distribution, &f_n));
+        let (s, c) = (&traction.sine, &traction.cosine);
+        let (beyond_x, beyond_y) = (model.beyond(&traction.g_x), model.beyond(&traction.g_y));
+
+        // [P_x P_y V_x V_y] = C [-sin B, cos B, -psi_t cos B, -psi_t sin B]
+        let moving = at.v.iter().any(|&v| v != 0.0);
+        let rate = &psi_t[n];
+        let factors: [Vec<f64>; 4] = [
+            s.iter().map(|s| -s).collect(),
+            c.clone(),
+            c.iter().zip(rate).map(|(c, v)| -c * v).collect(),
+            s.iter().zip(rate).map(|(s, v)| -s * v).collect(),
+        ];
+        let parts = if moving { 4 } else { 2 };
+        let mut integrand = Mat::zeros(m, parts * k);
+        for (part, factor) in factors.iter().enumerate().take(parts) {
+            for j in 0..k {
+                let column = integrand.col_as_slice_mut(part * k + j);
+                for ((out, f), b) in column.iter_mut().zip(factor).zip(b.col_as_slice(j)) {
+                    *out = f * b;
+                }
+            }
+        }
+        let moved = product(basis.integral.as_ref(), integrand.as_ref());
+
+        // Rows 0..m along t, m..2m along n: left = W P, right = [bracket of G_u, bracket of G_v].
+        let spread = groups.tau_n - groups.tau_t;
+        let on_t: Vec<f64> = (0..m).map(|i| EPS[n] * f_n[i] - spread * traction.v_n[i]).collect();
+        let on_n: Vec<f64> =
+            (0..m).map(|i| -EPS[n] * groups.load * distribution[i] - spread * traction.v_t[i]).collect();
+        let (mut left, mut right) = (Mat::zeros(2 * m, k), Mat::zeros(2 * m, 2 * k));
+        let turn = |x: &[f64], y: &[f64], out_t: &mut [f64], out_n: &mut [f64]| {
+            let trig = s.iter().zip(c);
+            for (((t, n), (x, y)), (s, c)) in out_t.iter_mut().zip(out_n).zip(x.iter().zip(y)).zip(trig) {
+                (*t, *n) = (c * x + s * y, c * y - s * x);
+            }
+        };
+        let scale = |out: &mut [f64], factor: f64| out.iter_mut().for_each(|x| *x *= factor);
+        for j in 0..k {
+            let (x, y) = (moved.col_as_slice(j), moved.col_as_slice(k + j));
+            let (p_t, p_n) = right.col_as_slice_mut(k + j).split_at_mut(m);
+            turn(x, y, p_t, p_n);
+            let (left_t, left_n) = left.col_as_slice_mut(j).split_at_mut(m);
+            left_t.iter_mut().zip(w.iter().zip(&*p_t)).for_each(|(l, (w, p))| *l = w * p);
+            left_n.iter_mut().zip(w.iter().zip(&*p_n)).for_each(|(l, (w, p))| *l = w * p);
+            scale(p_t, groups.tau_t);
+            scale(p_n, groups.tau_n);
+            let (bracket_t, bracket_n) = right.col_as_slice_mut(j).split_at_mut(m);
+            if moving {
+                turn(moved.col_as_slice(2 * k + j), moved.col_as_slice(3 * k + j), bracket_t, bracket_n);
+                scale(bracket_t, groups.tau_t);
+                scale(bracket_n, groups.tau_n);
+            }
+            let b = b.col_as_slice(j);
+            bracket_t.iter_mut().zip(on_t.iter().zip(b)).for_each(|(x, (f, b))| *x += f * b);
+            bracket_n.iter_mut().zip(on_n.iter().zip(b)).for_each(|(x, (f, b))| *x += f * b);
+        }
+        let own = product(left.as_ref().transpose(), right.as_ref());
+        let turned = scaled_rows(b, |i| -c[i] * beyond_x[i] - s[i] * beyond_y[i]);
+        let turned = product(b.as_ref().transpose(), turned.as_ref());
+        let tested = left.as_ref().subrows(m, m).transpose();
+        let cross = [product(tested, coupling[0].as_ref()), product(tested, coupling[1].as_ref())];
+
+        for other in 0..2 {
+            let sign = EPS[n] * EPS[other];
+            for j in 0..k {
+                let out_u = gu.rb_mut().col_mut(other * k + j).subrows_mut(n * k, k);
+                let out_v = gv.rb_mut().col_mut(other * k + j).subrows_mut(n * k, k);
+                let shear = [shear[0].col_as_slice(j), shear[1].col_as_slice(j)];
+                let cross = [cross[0].col_as_slice(j), cross[1].col_as_slice(j)];
+                for (out, (shear, cross)) in [out_u, out_v].into_iter().zip(shear.into_iter().zip(cross)) {
+                    for (out, (shear, cross)) in out.iter_mut().zip(shear.iter().zip(cross)) {
+                        *out = shear + sign * cross;
+                    }
+                }
+                if other == n {
+                    let mut out_u = gu.rb_mut().col_mut(n * k + j).subrows_mut(n * k, k);
+                    for (out, (own, turned)) in
+                        out_u.rb_mut().iter_mut().zip(own.col_as_slice(j).iter().zip(turned.col_as_slice(j)))
+                    {
+                        *out += own + turned;
+                    }
+                    out_u[j] += 1.0;
+                    let out_v = gv.rb_mut().col_mut(n * k + j).subrows_mut(n * k, k);
+                    out_v.iter_mut().zip(own.col_as_slice(k + j)).for_each(|(out, own)| *out += own);
+                }
+            }
+        }
+    }
+}
+
+/// H = -d f_N / d Delta, as a matrix from coefficients to Gauss points.
+fn stiffness(model: &TwoDoublet, groups: &super::two_doublet::Groups<f64>, delta: &[f64]) -> Mat<f64> {
+    let basis = &model.basis;
+    if groups.kappa_3n == 0.0 {
+        return scaled_rows(&basis.integrated_value, |_| groups.kappa_n);
+    }
+    match model.law {
+        Law::Printed => {
+            let slope = scaled_rows(&basis.value, |i| groups.kappa_n + 3.0 * groups.kappa_3n * delta[i] * delta[i]);
+            product(basis.integral.as_ref(), slope.as_ref())
+        }
+        Law::Separation => {
+            let h = super::two_doublet::times(&basis.integral, delta);
+            scaled_rows(&basis.integrated_value, |i| groups.kappa_n + 3.0 * groups.kappa_3n * h[i] * h[i])
+        }
+    }
+}
+
+fn scaled_rows(a: &Mat<f64>, factor: impl Fn(usize) -> f64) -> Mat<f64> {
+    let factors: Vec<f64> = (0..a.nrows()).map(factor).collect();
+    let mut out = a.clone();
+    for j in 0..a.ncols() {
+        out.col_as_slice_mut(j).iter_mut().zip(&factors).for_each(|(o, f)| *o *= f);
+    }
+    out
+}
+
+fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
+    let mut out = Mat::zeros(a.nrows(), b.ncols());
+    matmul(out.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
+    out
+}

@@ -1,0 +1,323 @@
+//! Two inextensible elastic doublets in viscous fluid, pulled in opposite directions by a steady follower load
+//! (Bayly and Dutcher 2016, J. R. Soc. Interface 13:20160523, doi:10.1098/rsif.2016.0523), in minimal coordinates.
+//!
+//! Unknowns are the tangent angles psi_1, psi_2 alone. With t = (cos psi, sin psi), n = (-sin psi, cos psi), x = s/L,
+//! positions r_n = L int_0^x t, velocities v_n = L int_0^x psi_n,t n, every test angle q with q(0) = 0 and its virtual
+//! displacement w = int_0^x q n, the principle of virtual work, divided by EI/L, reads for doublet n = 1, 2
+//!
+//! ```text
+//! int w . [ tau_T (v.t) t + tau_N (v.n) n - eps_n (P D(s) t + f_N n) ] dx + int psi_n,x q_x dx - int m q dx = 0,
+//!
+//! eps = +1, -1;  tau_N = c_N L^4/EI,  tau_T = c_T L^4/EI,  P = p L^3/EI,  Delta = psi_1 - psi_2,
+//! f_N = -int_0^x (kappa_N Delta + beta_N Delta_t + kappa_3 Delta^3)            (`printed`, kappa_3 = k_3N L^4/EI), or
+//! f_N = -(kappa_N h + beta_N h_t + kappa_3 h^3),  h = int_0^x Delta            (`separation`, kappa_3 = k_3N L^6/EI),
+//! m = -(kappa_T psi_m + beta_T psi_m,t + kappa_3T psi_m^3),  psi_m = (psi_1 + psi_2)/2,
+//! kappa_N = k_N L^4/EI,  kappa_T = a^2 k_T L^2/EI,  kappa_3T = a^4 k_3T L^2/EI,  beta likewise.
+//! ```
+//!
+//! It has the form M(u) u' = F(u): no tension unknowns, every force condition at base and tip natural.
+//! Corrections to the printed equations: D = 1 - exp(-s/s0), not 1 - exp(s/s0) (table 2); k_3T a^4, not a^3 (2.3);
+//! in the linearised (2.6) d-bar has L^4, c-bar a factor 1/2, and b sigma-bar stands for b sigma-bar / tau; as printed,
+//! (2.2) makes k_3N a pN µm^-2: `separation` is the law that fits its unit.
+
+use super::basis::Basis;
+use super::observables;
+use crate::models::{ModelError, Options};
+use crate::problem::{
+    At, Automatic, Bounds, Default, Formula, Observable, Parameter, Problem, Refinement, Reflection, Scalar,
+};
+use faer::MatMut;
+use std::sync::Arc;
+
+/// How the dynein load varies along the doublets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Load {
+    /// D = 1.
+    Uniform,
+    /// D = 1 - exp(-s/s0).
+    Distal,
+}
+
+/// The cubic part of the inter-doublet normal force.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Law {
+    /// f_N,s = -k_3N (psi_1 - psi_2)^3, as (2.2) prints.
+    Printed,
+    /// f_N = -k_3N h^3 with the separation h.
+    Separation,
+}
+
+pub struct TwoDoublet {
+    pub(super) basis: Basis,
+    load: Load,
+    pub(super) law: Law,
+    parameters: Vec<Parameter>,
+}
+
+/// Positions in the parameter vector; `S0` only with a distal load.
+pub(super) mod index {
+    pub const L: usize = 0;
+    pub const EI: usize = 1;
+    pub const A: usize = 2;
+    pub const C_N: usize = 3;
+    pub const C_T: usize = 4;
+    pub const K_N: usize = 5;
+    pub const B_N: usize = 6;
+    pub const K_T: usize = 7;
+    pub const B_T: usize = 8;
+    pub const K_3N: usize = 9;
+    pub const K_3T: usize = 10;
+    pub const P: usize = 11;
+    pub const S0: usize = 14;
+}
+
+fn parameters(load: Load) -> Vec<Parameter> {
+    use Bounds::{Any, NonNegative, Positive};
+    use Default::{Derived, Tie, Value};
+    let make = |name, default, unit, bounds, meaning| Parameter { name, default, unit, meaning, bounds };
+    let mut list = vec![
+        make("L", Value(12.0), "µm", Positive, "length"),
+        make("EI", Value(400.0), "pN µm²", Positive, "flexural rigidity of one doublet"),
+        make("a", Value(0.2), "µm", NonNegative, "diameter of the flagellum"),
+        make("c_N", Value(0.003), "pN s µm⁻²", Positive, "normal drag per length"),
+        make("c_T", Tie("c_N / 2"), "pN s µm⁻²", Positive, "tangential drag per length"),
+        make("k_N", Value(1e4), "pN µm⁻²", NonNegative, "inter-doublet normal stiffness"),
+        make("b_N", Tie("tau_c * k_N"), "pN s µm⁻²", NonNegative, "inter-doublet normal viscosity"),
+        make("k_T", Value(1e3), "pN µm⁻²", NonNegative, "inter-doublet shear stiffness"),
+        make("b_T", Tie("tau_c * k_T"), "pN s µm⁻²", NonNegative, "inter-doublet shear viscosity"),
+        make("k_3N", Value(1e5), "pN µm⁻⁴", Any, "cubic normal stiffness"),
+        make("k_3T", Value(2500.0), "pN µm⁻⁴", Any, "cubic shear stiffness"),
+        make("p", Value(400.0), "pN µm⁻¹", Any, "dynein force per length"),
+        make("tau_c", Value(7.776e-4), "s", NonNegative, "inter-doublet time constant"),
+        make("tau", Derived("c_N * L^4 / EI"), "s", Positive, "visco-elastic time of the flagellum"),
+    ];
+    if load == Load::Distal {
+        list.push(make("s0", Value(4.0), "µm", Positive, "decay length of the load's deficit at the base"));
+    }
+    list
+}
+
+/// The groups that multiply the terms of the weak form.
+pub(super) struct Groups<S> {
+    pub tau_n: S,
+    pub tau_t: S,
+    pub load: S,
+    pub kappa_n: S,
+    pub beta_n: S,
+    pub kappa_3n: S,
+    pub kappa_t: S,
+    pub beta_t: S,
+    pub kappa_3t: S,
+}
+
+impl TwoDoublet {
+    /// From the scene's options `load`, `law` and `functions`.
+    pub fn build(options: &Options) -> Result<Arc<dyn Problem>, ModelError> {
+        let load = options.choice("load", &[("uniform", Load::Uniform), ("distal", Load::Distal)])?;
+        let law = options.choice("law", &[("printed", Law::Printed), ("separation", Law::Separation)])?;
+        let functions = options.integer("functions", 28, 2, 400)?;
+        Ok(Arc::new(Automatic(Self::new(functions, load, law))))
+    }
+
+    pub fn new(functions: usize, load: Load, law: Law) -> Self {
+        Self { basis: Basis::new(functions), load, law, parameters: parameters(load) }
+    }
+
+    pub(super) fn groups<S: Scalar>(&self, p: &[S]) -> Groups<S> {
+        use index::{A, B_N, B_T, C_N, C_T, EI, K_3N, K_3T, K_N, K_T, L, P};
+        let length = p[L];
+        let (l2, a2) = (length * length, p[A] * p[A]);
+        let per_bending = p[EI].recip();
+        let (fourth, second) = (l2 * l2 * per_bending, l2 * per_bending);
+        Groups {
+            tau_n: p[C_N] * fourth,
+            tau_t: p[C_T] * fourth,
+            load: p[P] * l2 * length * per_bending,
+            kappa_n: p[K_N] * fourth,
+            beta_n: p[B_N] * fourth,
+            kappa_3n: match self.law {
+                Law::Printed => p[K_3N] * fourth,
+                Law::Separation => p[K_3N] * fourth * l2,
+            },
+            kappa_t: p[K_T] * a2 * second,
+            beta_t: p[B_T] * a2 * second,
+            kappa_3t: p[K_3T] * a2 * a2 * second,
+        }
+    }
+
+    /// D(s) at the Gauss points.
+    pub(super) fn distribution<S: Scalar>(&self, p: &[S]) -> Vec<S> {
+        let x = &self.basis.x;
+        match self.load {
+            Load::Uniform => vec![S::from(1.0); x.len()],
+            Load::Distal => {
+                let rate = p[index::L] / p[index::S0];
+                x.iter().map(|&x| S::from(1.0) - (-rate * x).exp()).collect()
+            }
+        }
+    }
+
+    /// The normal force f_N at the Gauss points, from Delta and Delta_t there.
+    pub(super) fn normal_force<S: Scalar>(&self, g: &Groups<S>, delta: &[S], delta_t: &[S]) -> Vec<S> {
+        let mut linear: Vec<S> = delta.iter().map(|&d| -g.kappa_n * d).collect();
+        if !g.beta_n.vanishes() {
+            linear.iter_mut().zip(delta_t).for_each(|(f, &d)| *f -= g.beta_n * d);
+        }
+        if self.law == Law::Printed && !g.kappa_3n.vanishes() {
+            linear.iter_mut().zip(delta).for_each(|(f, &d)| *f -= g.kappa_3n * d * d * d);
+        }
+        let mut force = times(&self.basis.integral, &linear);
+        if self.law == Law::Separation && !g.kappa_3n.vanishes() {
+            let h = times(&self.basis.integral, delta);
+            force.iter_mut().zip(h).for_each(|(f, h)| *f -= g.kappa_3n * h * h * h);
+        }
+        force
+    }
+
+    /// The moment per length m at the Gauss points.
+    fn moment<S: Scalar>(&self, g: &Groups<S>, psi: &[Vec<S>; 2], psi_t: &[Vec<S>; 2]) -> Vec<S> {
+        (0..self.basis.points)
+            .map(|i| {
+                let mean = (psi[0][i] + psi[1][i]) * 0.5;
+                let mean_t = (psi_t[0][i] + psi_t[1][i]) * 0.5;
+                -(g.kappa_t * mean + g.beta_t * mean_t + g.kappa_3t * mean * mean * mean)
+            })
+            .collect()
+    }
+
+    /// Angles (or their rates) of both doublets at the Gauss points.
+    pub(super) fn on_points<S: Scalar>(&self, c: &[S]) -> [Vec<S>; 2] {
+        let (first, second) = c.split_at(self.basis.functions);
+        [times(&self.basis.value, first), times(&self.basis.value, second)]
+    }
+}
+
+/// What acts on one doublet, at the Gauss points, along t and n.
+pub(super) struct Traction<S> {
+    pub sine: Vec<S>,
+    pub cosine: Vec<S>,
+    pub v_t: Vec<S>,
+    pub v_n: Vec<S>,
+    /// The bracket of the weak form along x and y.
+    pub g_x: Vec<S>,
+    pub g_y: Vec<S>,
+}
+
+impl TwoDoublet {
+    /// The bracket [drag - eps (P D t + f_N n)] on doublet `eps`.
+    pub(super) fn traction<S: Scalar>(
+        &self,
+        eps: f64,
+        g: &Groups<S>,
+        (psi, psi_t): (&[S], &[S]),
+        (distribution, f_n): (&[S], &[S]),
+    ) -> Traction<S> {
+        let (sine, cosine): (Vec<S>, Vec<S>) = psi.iter().map(|a| a.sin_cos()).unzip();
+        let along = |trig: &[S]| -> Vec<S> { psi_t.iter().zip(trig).map(|(&a, &b)| a * b).collect() };
+        let minus_v_x = times(&self.basis.integral, &along(&sine));
+        let v_y = times(&self.basis.integral, &along(&cosine));
+        let (mut v_t, mut v_n, mut g_x, mut g_y) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        for i in 0..psi.len() {
+            let (s, c) = (sine[i], cosine[i]);
+            v_t.push(v_y[i] * s - minus_v_x[i] * c);
+            v_n.push(v_y[i] * c + minus_v_x[i] * s);
+            let along_t = g.tau_t * v_t[i] - g.load * distribution[i] * eps;
+            let along_n = g.tau_n * v_n[i] - f_n[i] * eps;
+            g_x.push(along_t * c - along_n * s);
+            g_y.push(along_t * s + along_n * c);
+        }
+        Traction { sine, cosine, v_t, v_n, g_x, g_y }
+    }
+
+    /// `int_x^1 g dx'` tested: the discrete adjoint of `integral`, so that the Galerkin form stays symmetric.
+    pub(super) fn beyond<S: Scalar>(&self, g: &[S]) -> Vec<S> {
+        let weighted: Vec<S> = g.iter().zip(&self.basis.w).map(|(&g, &w)| g * w).collect();
+        times(&self.basis.integral_transposed, &weighted)
+    }
+}
+
+pub(super) const EPS: [f64; 2] = [1.0, -1.0];
+
+impl Formula for TwoDoublet {
+    fn dim(&self) -> usize {
+        2 * self.basis.functions
+    }
+
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn residual<S: Scalar>(&self, u: &[S], v: &[S], p: &[S], g: &mut [S]) {
+        let groups = self.groups(p);
+        let distribution = self.distribution(p);
+        let (psi, psi_t) = (self.on_points(u), self.on_points(v));
+        let difference = |a: &[Vec<S>; 2]| -> Vec<S> { a[0].iter().zip(&a[1]).map(|(&a, &b)| a - b).collect() };
+        let f_n = self.normal_force(&groups, &difference(&psi), &difference(&psi_t));
+        let m = self.moment(&groups, &psi, &psi_t);
+        let k = self.basis.functions;
+        for (n, out) in g.chunks_mut(k).enumerate() {
+            let traction = self.traction(EPS[n], &groups, (&psi[n], &psi_t[n]), (&distribution, &f_n));
+            let (beyond_x, beyond_y) = (self.beyond(&traction.g_x), self.beyond(&traction.g_y));
+            let tested: Vec<S> = (0..self.basis.points)
+                .map(|i| traction.cosine[i] * beyond_y[i] - traction.sine[i] * beyond_x[i] - m[i] * self.basis.w[i])
+                .collect();
+            let projected = times(&self.basis.value_transposed, &tested);
+            for i in 0..k {
+                out[i] = projected[i] + u[n * k + i];
+            }
+        }
+    }
+
+    fn linearise(&self, at: At, gu: MatMut<'_, f64>, gv: MatMut<'_, f64>) {
+        super::linearisation::fill(self, at, gu, gv);
+    }
+
+    fn observables(&self) -> &[Observable] {
+        observables::LIST
+    }
+
+    fn observe(&self, i: usize, at: At) -> f64 {
+        observables::evaluate(self, i, at)
+    }
+
+    fn reflection(&self) -> Option<Reflection> {
+        Some(Reflection::negation(self.dim()))
+    }
+
+    fn picture(&self, u: &[f64], p: &[f64]) -> Option<Vec<[f64; 2]>> {
+        Some(observables::mean_line(self, u, p))
+    }
+
+    /// A quarter more functions, at least four more; coefficients of the added ones start at zero.
+    fn refined(&self) -> Option<Refinement> {
+        let coarse = self.basis.functions;
+        let fine = coarse + (coarse / 4).max(4);
+        let prolong = move |u: &[f64]| {
+            let mut out = vec![0.0; 2 * fine];
+            for (n, part) in u.chunks(coarse).enumerate() {
+                out[n * fine..n * fine + coarse].copy_from_slice(part);
+            }
+            out
+        };
+        let problem = Arc::new(Automatic(Self::new(fine, self.load, self.law)));
+        Some(Refinement { problem, prolong: Box::new(prolong) })
+    }
+}
+
+/// Matrix times vector over any scalar: four contiguous columns at a time, so that the sums stay in registers.
+pub(super) fn times<S: Scalar>(a: &faer::Mat<f64>, x: &[S]) -> Vec<S> {
+    let mut y = vec![S::from(0.0); a.nrows()];
+    let blocks = x.chunks_exact(4);
+    let done = x.len() - blocks.remainder().len();
+    for (block, x) in blocks.enumerate() {
+        let [a0, a1, a2, a3] = [0, 1, 2, 3].map(|k| a.col_as_slice(4 * block + k));
+        let columns = a0.iter().zip(a1).zip(a2.iter().zip(a3));
+        for (y, ((&a0, &a1), (&a2, &a3))) in y.iter_mut().zip(columns) {
+            *y += (x[0] * a0 + x[1] * a1) + (x[2] * a2 + x[3] * a3);
+        }
+    }
+    for (j, &x) in x.iter().enumerate().skip(done) {
+        y.iter_mut().zip(a.col_as_slice(j)).for_each(|(y, &a)| *y += x * a);
+    }
+    y
+}

@@ -1,0 +1,34 @@
+//! The models that scenes can name.
+
+mod flagellum;
+mod options;
+
+pub use flagellum::{Law, Load, TwoDoublet};
+pub use options::{Choice, ModelError, Options};
+
+use crate::problem::Problem;
+use std::sync::Arc;
+
+/// An entry of the registry.
+pub struct Model {
+    pub name: &'static str,
+    pub meaning: &'static str,
+    /// Option, allowed values with the default first, meaning.
+    pub options: &'static [(&'static str, &'static str, &'static str)],
+    pub build: fn(&Options) -> Result<Arc<dyn Problem>, ModelError>,
+}
+
+pub static REGISTRY: &[Model] = &[Model {
+    name: "two-doublet",
+    meaning: "two coupled elastic doublets in viscous fluid under steady dynein load (Bayly and Dutcher 2016)",
+    options: &[
+        ("load", "\"uniform\" | \"distal\"", "D(s) = 1, or 1 - exp(-s/s0)"),
+        ("law", "\"printed\" | \"separation\"", "cubic normal force: -k_3N int (psi_1 - psi_2)^3 ds, or -k_3N h^3"),
+        ("functions", "28, from 2 to 400", "basis functions per doublet"),
+    ],
+    build: TwoDoublet::build,
+}];
+
+pub fn find(name: &str) -> Option<&'static Model> {
+    REGISTRY.iter().find(|m| m.name == name)
+}

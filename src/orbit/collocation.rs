@@ -1,0 +1,304 @@
+//! The collocation equations as a curve: unknowns are the nodes' values, the computed part P of the period, and lambda.
+//!
+//! ```text
+//! G(u(c), u'(c)/P, p) = 0         at every Gauss point c of every interval,
+//! u(1) = S u(0),                  S the identity, or the reflection of a half-period orbit,
+//! int <u, u_ref'> dtau = 0,       u_ref the last orbit: the integral phase condition,
+//! border . (u, P, lambda) = 0     (continuation's own row).
+//! ```
+
+use super::condensation::{Condensed, Elimination, Forwarded, Reach};
+use super::{Multipliers, Orbit, Points, Scheme, adapted, multipliers};
+use crate::continuation::{Border, Factored, Point, System};
+use crate::linalg::{Lu, Singular};
+use crate::problem::{At, Direction, Problem, Reflection};
+use faer::Mat;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// What stays the same along a branch of orbits.
+#[derive(Clone)]
+pub struct Frame {
+    pub problem: Arc<dyn Problem>,
+    /// All parameters; entry `free` is replaced by lambda.
+    pub p: Vec<f64>,
+    pub free: usize,
+    /// u(t + P) = S u(t).
+    pub symmetry: Reflection,
+    /// The period over P: 1 or 2.
+    pub parts: usize,
+    /// Sizes of a state, a period and a parameter that count as one in arclength.
+    pub scale_state: f64,
+    pub scale_part: f64,
+    pub scale_lambda: f64,
+}
+
+/// The system on one mesh.
+#[derive(Clone)]
+pub struct Collocation {
+    pub frame: Frame,
+    pub scheme: Scheme,
+    points: Points,
+    pub mesh: Vec<f64>,
+    /// `int <., u_ref'> dtau` as a row over all nodes but the last.
+    phase: Vec<f64>,
+    /// Weight of each node in the metric, the last node's carried by the first.
+    weights: Vec<f64>,
+}
+
+impl Collocation {
+    /// On the orbit's mesh, with the orbit as phase reference.
+    pub fn new(frame: Frame, orbit: &Orbit) -> Self {
+        let mut system = Self {
+            frame,
+            scheme: orbit.scheme(),
+            points: orbit.points,
+            mesh: Vec::new(),
+            phase: Vec::new(),
+            weights: Vec::new(),
+        };
+        system.refer_to(orbit);
+        system
+    }
+
+    fn n(&self) -> usize {
+        self.frame.symmetry.sign.len()
+    }
+
+    fn intervals(&self) -> usize {
+        self.mesh.len() - 1
+    }
+
+    /// All parameters at lambda.
+    pub fn parameters(&self, lambda: f64) -> Vec<f64> {
+        let mut p = self.frame.p.clone();
+        p[self.frame.free] = lambda;
+        p
+    }
+
+    /// Unknowns of an orbit on this mesh.
+    pub fn unknowns(orbit: &Orbit) -> Vec<f64> {
+        let mut x = orbit.nodes[..orbit.nodes.len() - orbit.dim].to_vec();
+        x.push(orbit.part);
+        x
+    }
+
+    /// The orbit that unknowns stand for.
+    pub fn orbit(&self, x: &[f64]) -> Orbit {
+        let n = self.n();
+        let (nodes, part) = x.split_at(x.len() - 1);
+        let mut nodes = nodes.to_vec();
+        let mut last = vec![0.0; n];
+        self.frame.symmetry.apply(&nodes[..n], &mut last);
+        nodes.extend(last);
+        Orbit {
+            mesh: self.mesh.clone(),
+            points: self.points,
+            degree: self.scheme.degree,
+            nodes,
+            dim: n,
+            part: part[0],
+            parts: self.frame.parts,
+        }
+    }
+
+    /// Takes over an orbit's mesh, and the orbit as phase reference.
+    fn refer_to(&mut self, orbit: &Orbit) {
+        let (n, m) = (orbit.dim, self.scheme.degree);
+        self.mesh = orbit.mesh.clone();
+        let nodes = self.intervals() * m;
+        self.phase = vec![0.0; (nodes + 1) * n];
+        self.weights = vec![0.0; nodes];
+        for j in 0..self.intervals() {
+            let width = self.mesh[j + 1] - self.mesh[j];
+            for (i, weight) in self.scheme.weights.iter().enumerate() {
+                let mut slope = vec![0.0; n];
+                for l in 0..=m {
+                    let d = self.scheme.slope[i][l];
+                    slope.iter_mut().zip(orbit.node(j * m + l)).for_each(|(s, x)| *s += d * x);
+                    self.weights[(j * m + l) % nodes] += width * weight * self.scheme.value[i][l];
+                }
+                for l in 0..=m {
+                    // width cancels: int <u, u_ref'> over the interval, u_ref' = slope / width.
+                    let factor = weight * self.scheme.value[i][l];
+                    let row = &mut self.phase[(j * m + l) * n..][..n];
+                    row.iter_mut().zip(&slope).for_each(|(r, s)| *r += factor * s);
+                }
+            }
+        }
+        let last = self.phase.split_off(nodes * n);
+        self.frame.symmetry.add_transposed(&last, &mut self.phase[..n]);
+        // A row of unit length, so that the phase equation has the size of the others.
+        let norm = crate::linalg::dot(&self.phase, &self.phase).sqrt();
+        if norm > 0.0 {
+            self.phase.iter_mut().for_each(|r| *r /= norm);
+        }
+    }
+
+    /// u and u' (per P) at Gauss point i of interval j.
+    fn state(&self, orbit: &Orbit, j: usize, i: usize) -> (Vec<f64>, Vec<f64>) {
+        let (n, m) = (orbit.dim, self.scheme.degree);
+        let rate = 1.0 / ((self.mesh[j + 1] - self.mesh[j]) * orbit.part);
+        let (mut u, mut v) = (vec![0.0; n], vec![0.0; n]);
+        for l in 0..=m {
+            let (a, d) = (self.scheme.value[i][l], self.scheme.slope[i][l] * rate);
+            for (k, &x) in orbit.node(j * m + l).iter().enumerate() {
+                u[k] += a * x;
+                v[k] += d * x;
+            }
+        }
+        (u, v)
+    }
+
+    /// The equations of interval j, linearised, with its inner nodes eliminated.
+    fn eliminate(&self, orbit: &Orbit, p: &[f64], j: usize) -> Result<Elimination, Singular> {
+        let (n, m) = (orbit.dim, self.scheme.degree);
+        let rate = 1.0 / ((self.mesh[j + 1] - self.mesh[j]) * orbit.part);
+        let (mut inside, mut right) = (Mat::zeros(m * n, (m - 1) * n), Mat::zeros(m * n, 2 * n + 2));
+        let (mut gu, mut gv) = (Mat::zeros(n, n), Mat::zeros(n, n));
+        let mut unit = vec![0.0; p.len()];
+        unit[self.frame.free] = 1.0;
+        let mut by_lambda = vec![0.0; n];
+        for i in 0..m {
+            let (u, v) = self.state(orbit, j, i);
+            let at = At { u: &u, v: &v, p };
+            self.frame.problem.linearise(at, gu.as_mut(), gv.as_mut());
+            self.frame.problem.derivative(at, &[Direction { u: &[], v: &[], p: &unit }], &mut by_lambda);
+            for l in 0..=m {
+                let (a, d) = (self.scheme.value[i][l], self.scheme.slope[i][l] * rate);
+                let block = match l {
+                    0 => right.as_mut().submatrix_mut(i * n, 0, n, n),
+                    l if l == m => right.as_mut().submatrix_mut(i * n, n, n, n),
+                    _ => inside.as_mut().submatrix_mut(i * n, (l - 1) * n, n, n),
+                };
+                faer::zip!(block, gu.as_ref(), gv.as_ref()).for_each(|faer::unzip!(b, x, y)| *b = a * *x + d * *y);
+            }
+            // dG/dP = -G_v v / P.
+            for row in 0..n {
+                let moved: f64 = (0..n).map(|k| gv[(row, k)] * v[k]).sum();
+                right[(i * n + row, 2 * n)] = -moved / orbit.part;
+                right[(i * n + row, 2 * n + 1)] = by_lambda[row];
+            }
+        }
+        Elimination::new(inside, right, n)
+    }
+}
+
+impl System for Collocation {
+    type Factors = OrbitFactors;
+
+    fn residual(&self, x: &[f64], lambda: f64, r: &mut [f64]) {
+        let (n, m) = (self.n(), self.scheme.degree);
+        let orbit = self.orbit(x);
+        let p = self.parameters(lambda);
+        let (equations, phase) = r.split_at_mut(self.intervals() * m * n);
+        equations.par_chunks_mut(m * n).enumerate().for_each(|(j, rows)| {
+            for (i, row) in rows.chunks_mut(n).enumerate() {
+                let (u, v) = self.state(&orbit, j, i);
+                self.frame.problem.residual(At { u: &u, v: &v, p: &p }, row);
+            }
+        });
+        phase[0] = crate::linalg::dot(&self.phase, &x[..x.len() - 1]);
+    }
+
+    fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<OrbitFactors, Singular> {
+        let orbit = self.orbit(x);
+        let p = self.parameters(lambda);
+        let eliminations: Result<Vec<_>, _> =
+            (0..self.intervals()).into_par_iter().map(|j| self.eliminate(&orbit, &p, j)).collect();
+        let condensed = Condensed::new(eliminations?, self.n())?;
+        OrbitFactors::new(condensed, &self.phase, border, &self.frame)
+    }
+
+    fn dual(&self, t: &[f64]) -> Vec<f64> {
+        let (n, scale) = (self.n(), self.frame.scale_state.powi(-2));
+        let (nodes, part) = t.split_at(t.len() - 1);
+        let mut row: Vec<f64> = nodes.iter().enumerate().map(|(i, t)| scale * self.weights[i / n] * t).collect();
+        row.push(part[0] / self.frame.scale_part.powi(2));
+        row
+    }
+
+    fn dual_lambda(&self) -> f64 {
+        self.frame.scale_lambda.powi(-2)
+    }
+
+    /// Moves the mesh where the error is spread too unevenly, and takes the point as phase reference.
+    fn prepare(&mut self, point: &mut Point) -> bool {
+        let orbit = self.orbit(&point.x);
+        if let Some(mesh) = adapted(&orbit, &self.scheme, &self.frame.symmetry) {
+            let moved = orbit.interpolated(&mesh, self.scheme.degree);
+            let tangent = self.orbit(&point.tangent).interpolated(&mesh, self.scheme.degree);
+            self.refer_to(&moved);
+            point.x = Self::unknowns(&moved);
+            point.tangent = Self::unknowns(&tangent);
+            true
+        } else {
+            self.refer_to(&orbit);
+            false
+        }
+    }
+}
+
+/// Factors of the whole bordered system.
+pub struct OrbitFactors {
+    condensed: Condensed,
+    /// `(x_0, P, lambda)`: n condensed rows, the phase row, the border.
+    ends: Lu<f64>,
+    symmetry: Reflection,
+    parts: usize,
+}
+
+impl OrbitFactors {
+    fn new(mut condensed: Condensed, phase: &[f64], border: &Border, frame: &Frame) -> Result<Self, Singular> {
+        let n = frame.symmetry.sign.len();
+        let (nodes, part) = border.row.split_at(border.row.len() - 1);
+        let reaches = [condensed.add_border(phase), condensed.add_border(nodes)];
+        let direct = [[0.0, 0.0], [part[0], border.lambda]];
+        let mut ends = Mat::zeros(n + 2, n + 2);
+        let rows = condensed.transition();
+        for i in 0..n {
+            for j in 0..n {
+                ends[(i, j)] += rows[(i, j)];
+                ends[(i, frame.symmetry.source[j])] += rows[(i, n + j)] * frame.symmetry.sign[j];
+            }
+            ends[(i, n)] = rows[(i, 2 * n)];
+            ends[(i, n + 1)] = rows[(i, 2 * n + 1)];
+        }
+        for (k, Reach { a, b, z }) in reaches.iter().enumerate() {
+            let mut row = a.clone();
+            frame.symmetry.add_transposed(b, &mut row);
+            for (j, &entry) in row.iter().enumerate() {
+                ends[(n + k, j)] = entry;
+            }
+            ends[(n + k, n)] = z[0] + direct[k][0];
+            ends[(n + k, n + 1)] = z[1] + direct[k][1];
+        }
+        let ends = Lu::new(ends.as_ref())?;
+        Ok(Self { condensed, ends, symmetry: frame.symmetry.clone(), parts: frame.parts })
+    }
+
+    /// Floquet multipliers over the whole period.
+    pub fn multipliers(&self) -> Result<Multipliers, Singular> {
+        multipliers(self.condensed.transition(), &self.symmetry, self.parts)
+    }
+}
+
+impl Factored for OrbitFactors {
+    /// `right`: the intervals' equations, the phase, the border; out: nodes, P, lambda.
+    fn solve(&self, right: &mut [f64]) {
+        let n = self.symmetry.sign.len();
+        let equations = right.len() - 2;
+        let mut border = [right[equations], right[equations + 1]];
+        let (forwarded, rows): (Forwarded, Vec<f64>) = self.condensed.forward(&right[..equations], &mut border);
+        let mut ends = rows;
+        ends.extend(border);
+        self.ends.solve(&mut ends);
+        let z = [ends[n], ends[n + 1]];
+        let mut last = vec![0.0; n];
+        self.symmetry.apply(&ends[..n], &mut last);
+        let nodes = self.condensed.back(forwarded, &ends[..n], &last, &z);
+        right[..equations].copy_from_slice(&nodes);
+        right[equations] = z[0];
+        right[equations + 1] = z[1];
+    }
+}

@@ -1,0 +1,17 @@
+//! Periodic orbits of `G(u, u', p) = 0` by collocation at Gauss points.
+
+mod collocation;
+mod condensation;
+mod floquet;
+mod mesh;
+mod scheme;
+mod shape;
+mod start;
+
+pub use collocation::{Collocation, Frame};
+pub use condensation::Condensed;
+pub use floquet::{Multipliers, multipliers};
+pub use mesh::adapted;
+pub use scheme::{Points, Scheme};
+pub use shape::{Extremes, Orbit};
+pub use start::{from_hopf, half_period};

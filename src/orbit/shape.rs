@@ -1,0 +1,133 @@
+//! An orbit as data: a piecewise polynomial over one period, or over half of it where symmetry gives the rest.
+
+use super::{Points, Scheme};
+use crate::problem::{At, Problem, Reflection};
+use argmin::core::{CostFunction, Executor};
+use argmin::solver::brent::BrentOpt;
+use serde::{Deserialize, Serialize};
+
+/// `u(t)` for `t = tau P`, tau in [0, 1]; beyond it `u(t + P) = S u(t)`.
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+pub struct Orbit {
+    /// Boundaries of the intervals, from 0 to 1.
+    pub mesh: Vec<f64>,
+    pub points: Points,
+    pub degree: usize,
+    /// Values at all nodes, `degree` per interval and the last one, each of length `dim`.
+    pub nodes: Vec<f64>,
+    pub dim: usize,
+    /// P: the computed part of the period.
+    pub part: f64,
+    /// The period over P: 1, or 2 with half-period symmetry.
+    pub parts: usize,
+}
+
+/// Where an observable is largest and smallest over the period.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    pub max: f64,
+    pub min: f64,
+}
+
+impl Orbit {
+    pub fn scheme(&self) -> Scheme {
+        Scheme::new(self.points, self.degree)
+    }
+
+    pub fn intervals(&self) -> usize {
+        self.mesh.len() - 1
+    }
+
+    pub fn period(&self) -> f64 {
+        self.part * self.parts as f64
+    }
+
+    pub fn node(&self, i: usize) -> &[f64] {
+        &self.nodes[i * self.dim..(i + 1) * self.dim]
+    }
+
+    /// u and u' at tau in [0, 1].
+    pub fn at(&self, tau: f64, scheme: &Scheme) -> (Vec<f64>, Vec<f64>) {
+        let j = self.mesh.partition_point(|&b| b <= tau).clamp(1, self.intervals()) - 1;
+        let width = self.mesh[j + 1] - self.mesh[j];
+        let x = (tau - self.mesh[j]) / width;
+        let (value, slope) = (scheme.values_at(x), scheme.slopes_at(x));
+        let (mut u, mut v) = (vec![0.0; self.dim], vec![0.0; self.dim]);
+        for l in 0..=self.degree {
+            for (i, &y) in self.node(j * self.degree + l).iter().enumerate() {
+                u[i] += value[l] * y;
+                v[i] += slope[l] * y / (width * self.part);
+            }
+        }
+        (u, v)
+    }
+
+    /// u and u' at any multiple t of P, by symmetry.
+    pub fn anywhere(&self, t: f64, scheme: &Scheme, symmetry: &Reflection) -> (Vec<f64>, Vec<f64>) {
+        let turns = t.floor();
+        let (mut u, mut v) = self.at(t - turns, scheme);
+        for _ in 0..(turns as i64).rem_euclid(self.parts as i64) {
+            let (old_u, old_v) = (u.clone(), v.clone());
+            symmetry.apply(&old_u, &mut u);
+            symmetry.apply(&old_v, &mut v);
+        }
+        (u, v)
+    }
+
+    /// The same orbit (or tangent) on another mesh or with another degree, by interpolation.
+    pub fn interpolated(&self, mesh: &[f64], degree: usize) -> Self {
+        let (from, to) = (self.scheme(), Scheme::new(self.points, degree));
+        let mut nodes = Vec::with_capacity(self.dim * (degree * (mesh.len() - 1) + 1));
+        for w in mesh.windows(2) {
+            for x in &to.nodes[..degree] {
+                nodes.extend(self.at(w[0] + x * (w[1] - w[0]), &from).0);
+            }
+        }
+        nodes.extend_from_slice(self.node(self.intervals() * self.degree));
+        Self { mesh: mesh.to_vec(), degree, nodes, ..self.clone() }
+    }
+
+    /// The same orbit with each state mapped into another space.
+    pub fn mapped(&self, map: &dyn Fn(&[f64]) -> Vec<f64>) -> Self {
+        let nodes: Vec<f64> = self.nodes.chunks(self.dim).flat_map(map).collect();
+        let dim = nodes.len() / (self.nodes.len() / self.dim);
+        Self { nodes, dim, ..self.clone() }
+    }
+
+    /// The largest and smallest value of a functional over the whole period: sampled four times per node, then refined
+    /// by Brent's method.
+    pub fn extremes(&self, problem: &dyn Problem, observable: usize, p: &[f64], symmetry: &Reflection) -> Extremes {
+        let scheme = self.scheme();
+        let value = |t: f64| -> f64 {
+            let (u, v) = self.anywhere(t, &scheme, symmetry);
+            problem.observe(observable, At { u: &u, v: &v, p })
+        };
+        let samples: Vec<f64> = (0..self.parts)
+            .flat_map(|part| self.mesh.windows(2).map(move |w| (part, w[0], w[1])))
+            .flat_map(|(part, a, b)| scheme.nodes[..self.degree].iter().map(move |x| part as f64 + a + x * (b - a)))
+            .collect();
+        let values: Vec<f64> = samples.iter().map(|&t| value(t)).collect();
+        Extremes {
+            max: -least(&samples, self.parts as f64, &values, -1.0, &value),
+            min: least(&samples, self.parts as f64, &values, 1.0, &value),
+        }
+    }
+}
+
+/// The least value of `sign * f`, periodic, from samples.
+fn least(t: &[f64], period: f64, y: &[f64], sign: f64, f: &dyn Fn(f64) -> f64) -> f64 {
+    struct Cost<'a>(&'a dyn Fn(f64) -> f64, f64);
+    impl CostFunction for Cost<'_> {
+        type Param = f64;
+        type Output = f64;
+        fn cost(&self, t: &f64) -> Result<f64, argmin::core::Error> {
+            Ok(self.1 * (self.0)(*t))
+        }
+    }
+    let best = (0..y.len()).fold(0, |best, i| if sign * y[i] < sign * y[best] { i } else { best });
+    let before = if best == 0 { t[t.len() - 1] - period } else { t[best - 1] };
+    let after = if best + 1 == t.len() { t[0] + period } else { t[best + 1] };
+    let brent = BrentOpt::new(before, after).set_tolerance(1e-9, 1e-10);
+    let refined = Executor::new(Cost(f, sign), brent).configure(|state| state.max_iters(60)).run();
+    refined.map_or(f64::INFINITY, |r| r.state().best_cost).min(sign * y[best])
+}

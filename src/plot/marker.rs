@@ -1,0 +1,114 @@
+//! The symbols of special points.
+
+use super::PlotError;
+use super::canvas::Canvas;
+use super::geometry::{Point, Rect};
+use super::style::{INK, WHITE};
+use crate::branch::{Branch, Kind};
+use std::collections::BTreeMap;
+
+/// A special point as the rows of a branch know it.
+pub struct Mark {
+    pub row: usize,
+    pub kind: Kind,
+    /// Without the branch's name.
+    pub label: String,
+}
+
+/// The special points of a branch in the order of its rows: from its points, and from the labels of rows where there
+/// are no points (a branch read from a table has none).
+pub fn marks(branch: &Branch) -> Vec<Mark> {
+    let mut marks: BTreeMap<(usize, String), Kind> = BTreeMap::new();
+    for (row, label) in
+        (branch.rows.iter().enumerate()).filter_map(|(i, row)| row.label.as_ref().map(|label| (i, label)))
+    {
+        if let Some(kind) = kind_of(label) {
+            marks.insert((row, label.clone()), kind);
+        }
+    }
+    for point in branch.points.iter().filter(|p| p.row < branch.rows.len()) {
+        let label = point.label.rsplit('/').next().unwrap_or_default();
+        marks.insert((point.row, label.to_owned()), point.kind);
+    }
+    let mark = |((row, label), kind)| Mark { row, kind, label };
+    marks.into_iter().map(mark).collect()
+}
+
+/// The kind that a label begins with: "HB12" is a Hopf point.
+fn kind_of(label: &str) -> Option<Kind> {
+    match label.trim_end_matches(|c: char| c.is_ascii_digit()) {
+        "HB" => Some(Kind::HB),
+        "LP" => Some(Kind::LP),
+        "XP" => Some(Kind::XP),
+        "UZ" => Some(Kind::UZ),
+        "EP" => Some(Kind::EP),
+        "MX" => Some(Kind::MX),
+        _ => None,
+    }
+}
+
+/// What the legend says; the end of a branch explains itself.
+pub fn meaning(kind: Kind) -> Option<&'static str> {
+    match kind {
+        Kind::HB => Some("Hopf point (HB)"),
+        Kind::LP => Some("fold (LP)"),
+        Kind::XP => Some("exceptional point (XP)"),
+        Kind::UZ => Some("user value (UZ)"),
+        Kind::MX => Some("no convergence (MX)"),
+        Kind::EP => None,
+    }
+}
+
+/// Who gets a label first where there is not room for all. Ends of branches get none.
+pub fn priority(kind: Kind) -> Option<u8> {
+    match kind {
+        Kind::HB => Some(0),
+        Kind::LP => Some(1),
+        Kind::MX => Some(2),
+        Kind::UZ => Some(3),
+        Kind::XP => Some(4),
+        Kind::EP => None,
+    }
+}
+
+/// The room that a symbol takes.
+pub fn extent(point: Point) -> Rect {
+    Rect::centred(point, 9.0, 9.0)
+}
+
+/// Draws a symbol; `along` is the direction of the curve there, of any length.
+pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<(), PlotError> {
+    let shape = |points: &[Point]| -> Vec<Point> { points.iter().map(|p| (at.0 + p.0, at.1 + p.1)).collect() };
+    match kind {
+        Kind::HB => {
+            canvas.disc(at, 4.6, WHITE)?;
+            canvas.disc(at, 3.7, INK)
+        }
+        Kind::LP => solid(canvas, &shape(&SQUARE)),
+        Kind::UZ => solid(canvas, &shape(&TRIANGLE)),
+        Kind::XP => {
+            let diamond = shape(&DIAMOND);
+            canvas.fill(&diamond, WHITE)?;
+            canvas.line(&diamond, 1.1, INK)
+        }
+        Kind::MX => {
+            canvas.line(&shape(&[(-3.4, -3.4), (3.4, 3.4)]), 1.6, INK)?;
+            canvas.line(&shape(&[(-3.4, 3.4), (3.4, -3.4)]), 1.6, INK)
+        }
+        Kind::EP => {
+            let length = along.0.hypot(along.1);
+            let across = if length > 0.0 { (-along.1 / length * 3.5, along.0 / length * 3.5) } else { (0.0, 3.5) };
+            canvas.line(&shape(&[across, (-across.0, -across.1)]), 1.1, INK)
+        }
+    }
+}
+
+const SQUARE: [Point; 5] = [(-3.3, -3.3), (3.3, -3.3), (3.3, 3.3), (-3.3, 3.3), (-3.3, -3.3)];
+const TRIANGLE: [Point; 4] = [(0.0, -4.2), (3.9, 3.0), (-3.9, 3.0), (0.0, -4.2)];
+const DIAMOND: [Point; 5] = [(0.0, -4.2), (4.2, 0.0), (0.0, 4.2), (-4.2, 0.0), (0.0, -4.2)];
+
+/// A filled shape with a white rim, which sets it off from the curve.
+fn solid(canvas: &mut Canvas, outline: &[Point]) -> Result<(), PlotError> {
+    canvas.line(outline, 1.8, WHITE)?;
+    canvas.fill(outline, INK)
+}

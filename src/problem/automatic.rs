@@ -1,0 +1,183 @@
+//! From one generic formula to a [`Problem`]: derivatives by (hyper-)dual numbers, exact to rounding.
+
+use super::{At, Direction, Observable, Parameter, Problem, Refinement, Reflection};
+use faer::MatMut;
+use num_dual::{Dual64, DualNum, HyperDual64, HyperHyperDual64};
+
+/// A real number, or one that carries derivatives.
+pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {
+    /// Zero, with no derivative in it: a term with this coefficient may be left out.
+    fn vanishes(&self) -> bool {
+        Self::NDERIV == 0 && self.re() == 0.0
+    }
+}
+impl<S: DualNum<Primitive = f64> + Copy + Send + Sync> Scalar for S {}
+
+/// What a model's author writes.
+pub trait Formula: Send + Sync {
+    fn dim(&self) -> usize;
+
+    fn parameters(&self) -> &[Parameter];
+
+    /// `g = M(u, p) v - F(u, p)`.
+    fn residual<S: Scalar>(&self, u: &[S], v: &[S], p: &[S], g: &mut [S]);
+
+    /// `G_u` and `G_v`; by default column by column with dual numbers. A model with structure may know better.
+    fn linearise(&self, at: At, mut gu: MatMut<'_, f64>, mut gv: MatMut<'_, f64>) {
+        let n = self.dim();
+        let (mut u, mut v) = (lift(at.u), lift(at.v));
+        let p = lift(at.p);
+        let mut g = vec![Dual64::from_re(0.0); n];
+        for j in 0..n {
+            u[j].eps = 1.0;
+            self.residual(&u, &v, &p, &mut g);
+            u[j].eps = 0.0;
+            for i in 0..n {
+                gu[(i, j)] = g[i].eps;
+            }
+            v[j].eps = 1.0;
+            self.residual(&u, &v, &p, &mut g);
+            v[j].eps = 0.0;
+            for i in 0..n {
+                gv[(i, j)] = g[i].eps;
+            }
+        }
+    }
+
+    fn start(&self, _p: &[f64]) -> Vec<f64> {
+        vec![0.0; self.dim()]
+    }
+
+    fn observables(&self) -> &[Observable] {
+        &[]
+    }
+
+    fn observe(&self, _i: usize, _at: At) -> f64 {
+        f64::NAN
+    }
+
+    fn reflection(&self) -> Option<Reflection> {
+        None
+    }
+
+    fn picture(&self, _u: &[f64], _p: &[f64]) -> Option<Vec<[f64; 2]>> {
+        None
+    }
+
+    fn refined(&self) -> Option<Refinement> {
+        None
+    }
+}
+
+fn lift(x: &[f64]) -> Vec<Dual64> {
+    x.iter().map(|&x| Dual64::from_re(x)).collect()
+}
+
+/// Entry `i` of a direction's part; an empty part is zero.
+fn entry(part: &[f64], i: usize) -> f64 {
+    part.get(i).copied().unwrap_or(0.0)
+}
+
+/// A [`Formula`] as a [`Problem`].
+pub struct Automatic<F>(pub F);
+
+impl<F: Formula> Automatic<F> {
+    /// Evaluates the formula over numbers made from (value, index) by `seed`, one for each part of the joint space.
+    fn evaluate<S: Scalar>(&self, at: At, seed: impl Fn(f64, fn(&Direction<'_>, usize) -> f64, usize) -> S) -> Vec<S> {
+        let make = |values: &[f64], part: fn(&Direction<'_>, usize) -> f64| -> Vec<S> {
+            values.iter().enumerate().map(|(i, &x)| seed(x, part, i)).collect()
+        };
+        let u = make(at.u, |d, i| entry(d.u, i));
+        let v = make(at.v, |d, i| entry(d.v, i));
+        let p = make(at.p, |d, i| entry(d.p, i));
+        let mut g = vec![S::from(0.0); self.0.dim()];
+        self.0.residual(&u, &v, &p, &mut g);
+        g
+    }
+}
+
+impl<F: Formula> Problem for Automatic<F> {
+    fn dim(&self) -> usize {
+        self.0.dim()
+    }
+
+    fn parameters(&self) -> &[Parameter] {
+        self.0.parameters()
+    }
+
+    fn start(&self, p: &[f64]) -> Vec<f64> {
+        self.0.start(p)
+    }
+
+    fn residual(&self, at: At, g: &mut [f64]) {
+        self.0.residual(at.u, at.v, at.p, g);
+    }
+
+    fn linearise(&self, at: At, gu: MatMut<'_, f64>, gv: MatMut<'_, f64>) {
+        self.0.linearise(at, gu, gv);
+    }
+
+    fn derivative(&self, at: At, directions: &[Direction], out: &mut [f64]) {
+        match directions {
+            [a] => {
+                let g = self.evaluate(at, |x, part, i| Dual64::new(x, part(a, i)));
+                out.iter_mut().zip(g).for_each(|(o, g)| *o = g.eps);
+            }
+            [a, b] => {
+                let g = self.evaluate(at, |x, part, i| HyperDual64::new(x, part(a, i), part(b, i), 0.0));
+                out.iter_mut().zip(g).for_each(|(o, g)| *o = g.eps1eps2);
+            }
+            [a, b, c] => {
+                let g = self.evaluate(at, |x, part, i| {
+                    HyperHyperDual64::new(x, part(a, i), part(b, i), part(c, i), 0.0, 0.0, 0.0, 0.0)
+                });
+                out.iter_mut().zip(g).for_each(|(o, g)| *o = g.eps1eps2eps3);
+            }
+            _ => unreachable!("derivatives are of order one to three"),
+        }
+    }
+
+    fn observables(&self) -> &[Observable] {
+        self.0.observables()
+    }
+
+    fn observe(&self, i: usize, at: At) -> f64 {
+        self.0.observe(i, at)
+    }
+
+    fn reflection(&self) -> Option<Reflection> {
+        self.0.reflection()
+    }
+
+    fn picture(&self, u: &[f64], p: &[f64]) -> Option<Vec<[f64; 2]>> {
+        self.0.picture(u, p)
+    }
+
+    fn refined(&self) -> Option<Refinement> {
+        self.0.refined()
+    }
+}
+
+/// Largest relative difference between `linearise` and first directional derivatives of the residual: a check for
+/// models that write their own `linearise`.
+pub fn check_derivatives(problem: &dyn Problem, at: At) -> f64 {
+    let n = problem.dim();
+    let (mut gu, mut gv) = (faer::Mat::zeros(n, n), faer::Mat::zeros(n, n));
+    problem.linearise(at, gu.as_mut(), gv.as_mut());
+    let mut worst = 0.0_f64;
+    let mut column = vec![0.0; n];
+    let mut unit = vec![0.0; n];
+    for (matrix, in_u) in [(&gu, true), (&gv, false)] {
+        let scale = matrix.norm_max().max(f64::MIN_POSITIVE);
+        for j in 0..n {
+            unit[j] = 1.0;
+            let (u, v): (&[f64], &[f64]) = if in_u { (&unit, &[]) } else { (&[], &unit) };
+            problem.derivative(at, &[Direction { u, v, p: &[] }], &mut column);
+            unit[j] = 0.0;
+            for i in 0..n {
+                worst = worst.max((column[i] - matrix[(i, j)]).abs() / scale);
+            }
+        }
+    }
+    worst
+}

@@ -1,0 +1,175 @@
+//! What is followed: `M(u, p) u' = F(u, p)`, written as one implicit residual
+//!
+//! ```text
+//! G(u, v, p) = M(u, p) v - F(u, p) = 0,      v = u'.
+//! ```
+//!
+//! Equilibria solve `G(u, 0, p) = 0`; the linearisation of a motion is `G_v w' + G_u w = 0`, so that at an equilibrium
+//! `G_v = M` and `G_u = -J`, and eigenvalues solve `(G_u + sigma G_v) q = 0`. Orbits solve `G(u, u', p) = 0`. One
+//! function and its exact derivatives in the joint space (u, v, p) serve everything; a solution-dependent mass
+//! needs no special case.
+
+mod automatic;
+mod tied;
+
+pub use automatic::{Automatic, Formula, Scalar, check_derivatives};
+pub use tied::{Tie, Tied};
+
+use faer::MatMut;
+use std::sync::Arc;
+
+/// A parameter of a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Parameter {
+    pub name: &'static str,
+    pub default: Default,
+    /// "" for a pure number.
+    pub unit: &'static str,
+    pub meaning: &'static str,
+    pub bounds: Bounds,
+}
+
+/// A parameter's value when a scene says nothing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Default {
+    Value(f64),
+    /// An expression in other parameters that a scene may replace.
+    Tie(&'static str),
+    /// An expression in other parameters that no scene may replace: a name for use in other expressions.
+    Derived(&'static str),
+}
+
+/// Values for which the model makes sense.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Bounds {
+    Any,
+    Positive,
+    NonNegative,
+}
+
+impl Bounds {
+    pub fn contain(self, x: f64) -> bool {
+        match self {
+            Bounds::Any => x.is_finite(),
+            Bounds::Positive => x.is_finite() && x > 0.0,
+            Bounds::NonNegative => x.is_finite() && x >= 0.0,
+        }
+    }
+}
+
+impl std::fmt::Display for Bounds {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Bounds::Any => "any number",
+            Bounds::Positive => "> 0",
+            Bounds::NonNegative => ">= 0",
+        })
+    }
+}
+
+/// A named functional of the motion with its unit: a tip deflection, an energy.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observable {
+    pub name: &'static str,
+    pub unit: &'static str,
+    pub meaning: &'static str,
+}
+
+/// A linear map `(S u)_i = sign_i u_{source_i}` that takes solutions to solutions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reflection {
+    pub source: Vec<usize>,
+    pub sign: Vec<f64>,
+}
+
+impl Reflection {
+    pub fn identity(n: usize) -> Self {
+        Self { source: (0..n).collect(), sign: vec![1.0; n] }
+    }
+
+    /// `S = -1`.
+    pub fn negation(n: usize) -> Self {
+        Self { source: (0..n).collect(), sign: vec![-1.0; n] }
+    }
+
+    pub fn apply(&self, u: &[f64], out: &mut [f64]) {
+        for (i, o) in out.iter_mut().enumerate() {
+            *o = self.sign[i] * u[self.source[i]];
+        }
+    }
+
+    /// `out += S^T row`, for a row vector that acts on `S u`.
+    pub fn add_transposed(&self, row: &[f64], out: &mut [f64]) {
+        for (i, r) in row.iter().enumerate() {
+            out[self.source[i]] += self.sign[i] * r;
+        }
+    }
+}
+
+/// A point of the joint space (u, v, p).
+#[derive(Clone, Copy, Debug)]
+pub struct At<'a> {
+    pub u: &'a [f64],
+    pub v: &'a [f64],
+    pub p: &'a [f64],
+}
+
+/// A direction of the joint space; an empty slice stands for zero.
+#[derive(Clone, Copy, Debug)]
+pub struct Direction<'a> {
+    pub u: &'a [f64],
+    pub v: &'a [f64],
+    pub p: &'a [f64],
+}
+
+/// A finer discretisation of the same model and the map of states into it.
+pub struct Refinement {
+    pub problem: Arc<dyn Problem>,
+    pub prolong: Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>,
+}
+
+/// `G(u, v, p) = M(u, p) v - F(u, p)` and its exact derivatives. Object safe: the call costs nothing next to the work.
+pub trait Problem: Send + Sync {
+    /// Number of unknowns and of equations.
+    fn dim(&self) -> usize;
+
+    fn parameters(&self) -> &[Parameter];
+
+    /// A start for equilibria.
+    fn start(&self, _p: &[f64]) -> Vec<f64> {
+        vec![0.0; self.dim()]
+    }
+
+    /// `g = G(u, v, p)`; lengths `dim`.
+    fn residual(&self, at: At, g: &mut [f64]);
+
+    /// `gu = G_u`, `gv = G_v = M`; both `dim` by `dim`, overwritten.
+    fn linearise(&self, at: At, gu: MatMut<'_, f64>, gv: MatMut<'_, f64>);
+
+    /// The derivative of G along one, two or three directions: `D^k G [d_1, ..., d_k]`, exact.
+    fn derivative(&self, at: At, directions: &[Direction], out: &mut [f64]);
+
+    fn observables(&self) -> &[Observable] {
+        &[]
+    }
+
+    /// Value of observable `i`.
+    fn observe(&self, _i: usize, _at: At) -> f64 {
+        f64::NAN
+    }
+
+    /// A reflection under which orbits may be invariant up to half a period.
+    fn reflection(&self) -> Option<Reflection> {
+        None
+    }
+
+    /// The planar curve that a state looks like, as points (x, y), and its unit.
+    fn picture(&self, _u: &[f64], _p: &[f64]) -> Option<Vec<[f64; 2]>> {
+        None
+    }
+
+    /// A finer discretisation; `None` for a model without one.
+    fn refined(&self) -> Option<Refinement> {
+        None
+    }
+}

@@ -1,0 +1,175 @@
+//! What can be wrong with a scene. Every message names the place, what is wrong there, and what would be right.
+
+use std::io;
+use std::path::PathBuf;
+
+use thiserror::Error;
+
+use super::Place;
+use super::expression::ExpressionError;
+use super::units::UnitError;
+
+/// Why a scene was refused.
+#[derive(Debug, Error)]
+pub enum SceneError {
+    #[error("cannot read the scene {}: {source}", path.display())]
+    Read {
+        path: PathBuf,
+        #[source]
+        source: io::Error,
+    },
+    #[error("{}:{line}:{column}: not valid TOML: {message}", path.display())]
+    Syntax { path: PathBuf, line: usize, column: usize, message: String },
+    #[error("--set {argument}: {fault}")]
+    Override { argument: String, fault: Fault },
+    #[error(transparent)]
+    Entry(Box<EntryError>),
+}
+
+/// One entry of the scene, and what is wrong with it.
+#[derive(Debug, Error)]
+#[error("{}{}{}: {fault}", path.display(), self.position(), self.subject())]
+pub struct EntryError {
+    pub path: PathBuf,
+    pub at: Place,
+    /// The `--set` argument that the entry comes from.
+    pub argument: Option<String>,
+    pub fault: Fault,
+}
+
+impl EntryError {
+    fn position(&self) -> String {
+        match (self.at.line, &self.argument) {
+            (Some(line), _) => format!(":{line}"),
+            (None, Some(argument)) => format!(": --set {argument}"),
+            (None, None) => String::new(),
+        }
+    }
+
+    fn subject(&self) -> String {
+        if self.at.key.is_empty() { String::new() } else { format!(": {}", self.at.key) }
+    }
+}
+
+/// What is wrong, without the place.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Fault {
+    #[error("unknown {what} {found:?}{}; allowed: {}", meant(suggestion), list(allowed))]
+    Unknown { what: &'static str, found: String, allowed: Vec<String>, suggestion: Option<String> },
+    #[error("{what} is missing; add {example}")]
+    Missing { what: String, example: String },
+    #[error("must be {expected}, but is {found}")]
+    Type { expected: String, found: String },
+    #[error("must be a finite number, but is {found}")]
+    NotFinite { found: String },
+    #[error("is {found}; allowed: {allowed}")]
+    OutOfBounds { found: String, allowed: String },
+    #[error("is empty; give {expected}")]
+    Empty { expected: String },
+    #[error("the range runs from {from} to {to}; write the smaller end first, and two different ends")]
+    Range { from: f64, to: f64 },
+    #[error(
+        "the range is for {found:?}, but the free parameter is {free:?}; write range = {{ {free} = [from, to] }} or range = [from, to]"
+    )]
+    RangeOfOther { found: String, free: String },
+    #[error("{value} lies outside the range {from} to {to} of the free parameter, so that the branch never gets there")]
+    OutsideRange { value: f64, from: f64, to: f64 },
+    #[error("{found} is given twice; keep one")]
+    Repeated { found: String },
+    #[error("a {what} named {name:?} is already defined{}; choose another name", line(first))]
+    Duplicate { what: &'static str, name: String, first: Option<usize> },
+    #[error("{name:?} cannot be a name; use letters (a-z, A-Z), digits, \"-\" and \"_\"")]
+    Name { name: String },
+    #[error(
+        "{found:?} is not a label; write TASK/KINDn, for example {example:?}, with KIND one of HB, LP, UZ, EP and n counting from 1"
+    )]
+    Label { found: String, example: String },
+    #[error("the task {name:?} comes later{}; put it before this one", line(at))]
+    Later { name: String, at: Option<usize> },
+    #[error("the task {task:?} finds no {kind} points{advice}")]
+    NotProduced { task: String, kind: String, advice: String },
+    #[error("is not an expression: {0}")]
+    Expression(#[from] ExpressionError),
+    #[error("a number with its unit is written {{ value = {value}, unit = {unit:?} }}")]
+    BareQuantity { value: String, unit: String },
+    #[error("{0}")]
+    Unit(#[from] UnitError),
+    #[error("is not of the form KEY=VALUE; write for example --set parameters.L=14")]
+    NotAnAssignment,
+    #[error("has an empty key; write for example parameters.L or task.beat.range")]
+    EmptyKey,
+    #[error("gives no value; write {key}=VALUE")]
+    NoValue { key: String },
+    #[error("the value is not valid TOML: {message}")]
+    Value { message: String },
+    #[error(
+        "{key} cannot be overridden; allowed: title, model.KEY, parameters.NAME, task.NAME.KEY, figure.NAME.KEY (names stay as they are)"
+    )]
+    NotOverridable { key: String },
+    /// For callers that find more wrong later: a parameter that the model lacks, a unit that does not fit.
+    #[error("{0}")]
+    Other(String),
+}
+
+impl Fault {
+    /// An unknown word, with the known one that it most resembles.
+    pub fn unknown<'a>(what: &'static str, found: &str, allowed: impl IntoIterator<Item = &'a str>) -> Fault {
+        let allowed: Vec<String> = allowed.into_iter().map(str::to_owned).collect();
+        Fault::Unknown {
+            what,
+            found: found.to_owned(),
+            suggestion: suggest(found, allowed.iter().map(String::as_str)).map(str::to_owned),
+            allowed,
+        }
+    }
+}
+
+fn meant(suggestion: &Option<String>) -> String {
+    match suggestion {
+        Some(word) => format!(" (did you mean {word:?}?)"),
+        None => String::new(),
+    }
+}
+
+fn list(words: &[String]) -> String {
+    if words.is_empty() { "none".to_owned() } else { words.join(", ") }
+}
+
+fn line(at: &Option<usize>) -> String {
+    match at {
+        Some(line) => format!(" (line {line})"),
+        None => String::new(),
+    }
+}
+
+/// The known word that `word` is most likely a slip of the pen for.
+pub fn suggest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let lower = word.to_lowercase();
+    known
+        .into_iter()
+        .map(|candidate| {
+            let distance = strsim::damerau_levenshtein(&lower, &candidate.to_lowercase());
+            (distance, candidate)
+        })
+        .filter(|(distance, candidate)| *distance <= (candidate.chars().count().max(lower.chars().count()) / 3).min(4))
+        .min_by_key(|(distance, _)| *distance)
+        .map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn suggestions_bridge_slips_but_not_gulfs() {
+        let known = ["range", "free", "max_step", "p", "L"];
+        assert_eq!(suggest("rnage", known), Some("range"));
+        assert_eq!(suggest("max-step", known), Some("max_step"));
+        assert_eq!(suggest("FREE", known), Some("free"));
+        assert_eq!(suggest("P", known), Some("p"));
+        assert_eq!(suggest("l", known), Some("L"));
+        assert_eq!(suggest("q", known), None);
+        assert_eq!(suggest("tolerance", known), None);
+        assert_eq!(suggest("", known), None);
+    }
+}

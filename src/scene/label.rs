@@ -1,0 +1,106 @@
+//! Labels of special points, "straight/HB1": what they name, and whether it can exist.
+
+use super::{Fault, Task, TaskKind};
+
+/// Kinds of points that a scene can refer to.
+pub const POINT_KINDS: [&str; 4] = ["HB", "LP", "UZ", "EP"];
+
+/// "straight/HB1": the first Hopf point of the task "straight".
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Label<'a> {
+    pub task: &'a str,
+    pub kind: &'a str,
+    /// Counts from 1.
+    pub number: usize,
+}
+
+impl<'a> Label<'a> {
+    pub fn parse(text: &'a str) -> Option<Label<'a>> {
+        let (task, point) = text.rsplit_once('/')?;
+        let (kind, digits) = point.split_at_checked(2)?;
+        let well_formed = is_name(task)
+            && POINT_KINDS.contains(&kind)
+            && !digits.starts_with('0')
+            && digits.bytes().all(|byte| byte.is_ascii_digit());
+        let number = digits.parse().ok()?;
+        well_formed.then_some(Label { task, kind, number })
+    }
+}
+
+/// Whether the text can name a task or figure: names go into labels and file names.
+pub(super) fn is_name(text: &str) -> bool {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    !text.is_empty() && text.chars().all(allowed)
+}
+
+/// A task that is known by name before it is read: its line, to say where it comes too late.
+pub(super) struct Announced {
+    pub name: String,
+    pub line: Option<usize>,
+}
+
+/// Refuses a label whose task is not among those read so far, or finds no such points.
+pub(super) fn check(text: &str, read: &[Task], announced: &[Announced]) -> Result<(), Fault> {
+    let first = announced.first().map_or("straight", |task| &task.name);
+    let Some(label) = Label::parse(text) else {
+        return Err(Fault::Label { found: text.to_owned(), example: format!("{first}/HB1") });
+    };
+    let Some(task) = read.iter().find(|task| task.name == label.task) else {
+        return Err(match announced.iter().find(|later| later.name == label.task) {
+            Some(later) => Fault::Later { name: later.name.clone(), at: later.line },
+            None => Fault::unknown("task", label.task, announced.iter().map(|task| task.name.as_str())),
+        });
+    };
+    match obstacle(task, label.kind) {
+        None => Ok(()),
+        Some(advice) => Err(Fault::NotProduced { task: task.name.clone(), kind: label.kind.to_owned(), advice }),
+    }
+}
+
+/// Why the task finds no points of this kind, as advice; None if it may find some.
+fn obstacle(task: &Task, kind: &str) -> Option<String> {
+    let along = task.kind.along();
+    match (kind, &task.kind) {
+        ("EP", _) => None,
+        ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
+        ("UZ", _) => None,
+        (_, TaskKind::Equilibria(task)) if task.detect.iter().any(|known| known == kind) => None,
+        (_, TaskKind::Equilibria(task)) => {
+            let mut detect: Vec<String> = task.detect.iter().map(|k| format!("{k:?}")).collect();
+            detect.push(format!("{kind:?}"));
+            Some(format!("; give it detect = [{}]", detect.join(", ")))
+        }
+        (_, TaskKind::Cycles(_)) => Some(" (it follows cycles: only UZ and EP)".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_are_task_kind_number() {
+        let label = Label::parse("two-doublet_1/HB12");
+        let expected = Label { task: "two-doublet_1", kind: "HB", number: 12 };
+        assert_eq!(label, Some(expected));
+        for bad in [
+            "",
+            "/",
+            "straight",
+            "straight/",
+            "/HB1",
+            "straight/HB",
+            "straight/HB0",
+            "straight/HB01",
+            "straight/HB+1",
+            "straight/PD1",
+            "straight/hb1",
+            "straight/µ1",
+            "a b/HB1",
+            "a/b/HB1",
+            "straight/HB99999999999999999999999",
+        ] {
+            assert_eq!(Label::parse(bad), None, "{bad}");
+        }
+    }
+}

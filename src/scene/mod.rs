@@ -1,0 +1,227 @@
+//! A scene: one TOML file per study, typed, with the place of every entry for error messages. No numerics.
+
+mod along;
+mod entry;
+mod error;
+mod expect;
+pub mod expression;
+mod figure;
+mod label;
+mod model;
+mod overrides;
+mod parameters;
+mod parse;
+mod task;
+#[cfg(test)]
+mod tests;
+mod tree;
+pub mod units;
+
+pub use error::{EntryError, Fault, SceneError, suggest};
+pub use expression::Expression;
+pub use figure::FIGURE_KINDS;
+pub use label::{Label, POINT_KINDS};
+pub use task::TASK_KINDS;
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Where an entry stands: its dotted key ("task.beat.range") and its line in the file (1-based; None for `--set`).
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Place {
+    pub key: String,
+    pub line: Option<usize>,
+}
+
+/// A whole study.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    pub path: PathBuf,
+    /// The file's stem: names the output folder.
+    pub name: String,
+    pub title: String,
+    pub model: ModelChoice,
+    pub parameters: Vec<Setting>,
+    pub tasks: Vec<Task>,
+    pub figures: Vec<Figure>,
+    pub expect: Vec<Expectation>,
+    /// The `--set` arguments laid over the file, as given.
+    pub sets: Vec<String>,
+    /// Whether one of them changed `[model]` or `[parameters]`: the expectations hold for the scene as written, and
+    /// need not hold then.
+    pub overridden: bool,
+}
+
+impl Scene {
+    /// An error about an entry, for what only the caller can check: `scene.refuse(&setting.at, "...")`.
+    pub fn refuse(&self, at: &Place, message: impl Into<String>) -> SceneError {
+        self.fault(at, Fault::Other(message.into()))
+    }
+
+    /// The same with one of the faults of this module, for instance `Fault::unknown("parameter", name, known)`.
+    pub fn fault(&self, at: &Place, fault: Fault) -> SceneError {
+        let argument = match at.line {
+            Some(_) => None,
+            None => overrides::behind(&self.sets, &at.key),
+        };
+        SceneError::Entry(Box::new(EntryError { path: self.path.clone(), at: at.clone(), argument, fault }))
+    }
+}
+
+/// `[model]`: a name and the model's own options (load = "uniform", functions = 28).
+#[derive(Clone, Debug)]
+pub struct ModelChoice {
+    pub name: String,
+    pub at: Place,
+    pub options: Vec<ModelOption>,
+}
+
+#[derive(Clone, Debug)]
+pub struct ModelOption {
+    pub name: String,
+    pub value: OptionValue,
+    pub at: Place,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum OptionValue {
+    Integer(i64),
+    Number(f64),
+    Text(String),
+    Flag(bool),
+}
+
+/// One line of `[parameters]`.
+#[derive(Clone, Debug)]
+pub struct Setting {
+    pub name: String,
+    pub value: Value,
+    pub at: Place,
+}
+
+/// What a parameter is set to.
+#[derive(Clone, Debug)]
+pub enum Value {
+    /// In the model's unit.
+    Number(f64),
+    /// `{ value = 12, unit = "nm" }`: converted to the model's unit, or refused.
+    Quantity { value: f64, unit: String },
+    /// `"c_N * L^4 / EI / 200"`: tied to other parameters.
+    Tie(Expression),
+}
+
+#[derive(Clone, Debug)]
+pub struct Task {
+    pub name: String,
+    pub kind: TaskKind,
+    pub at: Place,
+}
+
+#[derive(Clone, Debug)]
+pub enum TaskKind {
+    Equilibria(Equilibria),
+    Cycles(Cycles),
+}
+
+/// A closed range, `from < to`: reversed and empty ranges are refused, as are NaN and infinite ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Range {
+    pub from: f64,
+    pub to: f64,
+    pub at: Place,
+}
+
+impl TaskKind {
+    /// As the scene names it: "equilibria", "cycles".
+    pub fn name(&self) -> &'static str {
+        match self {
+            TaskKind::Equilibria(_) => "equilibria",
+            TaskKind::Cycles(_) => "cycles",
+        }
+    }
+
+    pub fn along(&self) -> &Along {
+        match self {
+            TaskKind::Equilibria(task) => &task.along,
+            TaskKind::Cycles(task) => &task.along,
+        }
+    }
+}
+
+/// What every branch in one parameter shares.
+#[derive(Clone, Debug)]
+pub struct Along {
+    pub free: String,
+    pub free_at: Place,
+    pub range: Range,
+    /// Points wanted exactly: column or parameter, values. Labelled UZ1, UZ2, ... along the branch.
+    pub values: BTreeMap<String, Vec<f64>>,
+    /// Largest step in the free parameter; default: a fiftieth of the range.
+    pub max_step: Option<f64>,
+    /// Most points of the branch. Default 1000.
+    pub max_points: usize,
+    /// Observables wanted as columns, besides those that figures and expectations use.
+    pub observables: Vec<String>,
+    /// Whether error estimates are computed. Default true.
+    pub errors: bool,
+    /// Places of the keys given in the task, for messages: "values", "observables", "max_step", ...
+    pub places: BTreeMap<String, Place>,
+}
+
+/// `kind = "equilibria"`.
+#[derive(Clone, Debug)]
+pub struct Equilibria {
+    pub along: Along,
+    /// Leading eigenvalues followed as continuous branches; 0: none.
+    pub spectrum: usize,
+    /// Kinds of special points looked for: "HB", "LP".
+    pub detect: Vec<String>,
+}
+
+/// `kind = "cycles"`.
+#[derive(Clone, Debug)]
+pub struct Cycles {
+    pub along: Along,
+    /// "straight/HB1".
+    pub from: String,
+    pub from_at: Place,
+    /// Mesh intervals over the computed part of the period. Default 20.
+    pub intervals: usize,
+    /// Degree of the collocation polynomials, 2-7. Default 4.
+    pub degree: usize,
+    /// `points = "radau"` (default): right for stiff problems, order 2m - 1; `"gauss"`: order 2m.
+    pub gauss: bool,
+    /// Leading Floquet multipliers wanted as columns; 0 (default, or `false`): none. `true` asks for 6.
+    pub multipliers: usize,
+    /// `symmetry = "auto"` (default) uses half a period where the model allows; "none" the full one.
+    pub symmetry: bool,
+}
+
+/// `[[figure]]`.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    pub name: String,
+    /// "diagram" (default), "eigenvalues", "waveform".
+    pub kind: String,
+    pub title: Option<String>,
+    pub x: Option<String>,
+    /// One or several columns.
+    pub y: Vec<String>,
+    pub tasks: Vec<String>,
+    /// For waveforms: "beat/UZ1".
+    pub point: Option<String>,
+    pub at: Place,
+}
+
+/// `"straight/HB1".p = { value = ..., tolerance = ..., source = "..." }`; tolerance is relative (absolute where value = 0).
+#[derive(Clone, Debug)]
+pub struct Expectation {
+    /// "straight/HB1"
+    pub label: String,
+    /// "p"
+    pub quantity: String,
+    pub value: f64,
+    pub tolerance: f64,
+    pub source: String,
+    pub at: Place,
+}

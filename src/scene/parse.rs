@@ -1,0 +1,98 @@
+//! Reading a whole scene.
+
+use std::fs;
+use std::path::Path;
+
+use super::entry::{Section, Source};
+use super::label::{Announced, is_name};
+use super::overrides::Override;
+use super::{Fault, Figure, Place, Scene, SceneError, Task, expect, figure, model, parameters, task, tree};
+
+const SECTIONS: [&str; 6] = ["title", "model", "parameters", "task", "figure", "expect"];
+
+impl Scene {
+    /// Reads a scene file and lays `--set KEY=VALUE` arguments over it.
+    pub fn load(path: &Path, sets: &[String]) -> Result<Scene, SceneError> {
+        let text = fs::read_to_string(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
+        Scene::parse(&text, path, sets)
+    }
+
+    /// Reads a scene from text; `path` names it in messages and gives it its name.
+    pub fn parse(text: &str, path: &Path, sets: &[String]) -> Result<Scene, SceneError> {
+        let mut table = tree::document(text, path)?;
+        let overrides =
+            sets.iter().map(|argument| Override::parse(argument)).collect::<Result<Vec<Override>, SceneError>>()?;
+        for one in &overrides {
+            one.apply(&mut table)?;
+        }
+        let source = Source { path, sets };
+        let root = Section { source: &source, table: &table, at: Place::default() };
+        read(&root, overrides.iter().any(Override::touches_model))
+    }
+}
+
+fn read(root: &Section<'_>, overridden: bool) -> Result<Scene, SceneError> {
+    root.allow("section", &SECTIONS)?;
+    let path = root.source.path;
+    let name = path.file_stem().map_or("scene".to_owned(), |stem| stem.to_string_lossy().into_owned());
+    let (tasks, announced) = tasks(root)?;
+    Ok(Scene {
+        path: path.to_owned(),
+        title: match root.get("title") {
+            Some(entry) => entry.text()?.to_owned(),
+            None => name.clone(),
+        },
+        name,
+        model: model::read(root)?,
+        parameters: parameters::read(root)?,
+        figures: figures(root, &tasks, &announced)?,
+        expect: expect::read(root, &tasks, &announced)?,
+        tasks,
+        sets: root.source.sets.to_vec(),
+        overridden,
+    })
+}
+
+fn tasks(root: &Section<'_>) -> Result<(Vec<Task>, Vec<Announced>), SceneError> {
+    let sections = named_sections(root, "task")?;
+    let announced: Vec<Announced> =
+        sections.iter().map(|(name, section)| Announced { name: name.clone(), line: section.at.line }).collect();
+    let mut tasks = Vec::with_capacity(sections.len());
+    for (name, section) in sections {
+        let task = task::read(&section, name, &tasks, &announced)?;
+        tasks.push(task);
+    }
+    Ok((tasks, announced))
+}
+
+fn figures(root: &Section<'_>, tasks: &[Task], announced: &[Announced]) -> Result<Vec<Figure>, SceneError> {
+    named_sections(root, "figure")?
+        .into_iter()
+        .map(|(name, section)| figure::read(&section, name, tasks, announced))
+        .collect()
+}
+
+/// The `[[task]]` or `[[figure]]` sections with their names: valid, and none twice.
+fn named_sections<'a>(root: &Section<'a>, what: &'static str) -> Result<Vec<(String, Section<'a>)>, SceneError> {
+    let Some(entry) = root.get(what) else {
+        return Ok(Vec::new());
+    };
+    let expected = format!("a list of sections, each headed [[{what}]]");
+    let items = entry.list(&expected)?;
+    let mut sections: Vec<(String, Section<'a>)> = Vec::with_capacity(items.len());
+    for item in items {
+        let mut section = item.section(&expected)?;
+        let entry = section.need("name", &format!("name = \"NAME\" to the [[{what}]]"))?;
+        let name = entry.text()?;
+        if !is_name(name) {
+            let name = name.to_owned();
+            return Err(entry.error(Fault::Name { name }));
+        }
+        section.at.key = format!("{what}.{name}");
+        if let Some((_, first)) = sections.iter().find(|(known, _)| known == name) {
+            return Err(entry.error(Fault::Duplicate { what, name: name.to_owned(), first: first.at.line }));
+        }
+        sections.push((name.to_owned(), section));
+    }
+    Ok(sections)
+}

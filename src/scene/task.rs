@@ -1,0 +1,99 @@
+//! Reading `[[task]]`.
+
+use super::entry::{Entry, Section};
+use super::label::{self, Announced};
+use super::tree::Content;
+use super::{Cycles, Equilibria, SceneError, Task, TaskKind, along};
+
+/// Kinds of tasks, as a scene names them.
+pub const TASK_KINDS: [&str; 2] = ["equilibria", "cycles"];
+
+const COMMON: [&str; 9] =
+    ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
+const EQUILIBRIA: [&str; 2] = ["spectrum", "detect"];
+const CYCLES: [&str; 6] = ["from", "intervals", "degree", "points", "multipliers", "symmetry"];
+
+const MAX_COLUMNS: usize = 1000;
+
+/// Reads one task; `read` are those before it, `announced` are all.
+pub(super) fn read(
+    section: &Section<'_>,
+    name: String,
+    read: &[Task],
+    announced: &[Announced],
+) -> Result<Task, SceneError> {
+    // A misspelt "kind" is to be named as such, so first the keys that no kind knows.
+    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES].concat())?;
+    let kind = section.need("kind", "kind = \"equilibria\" or \"cycles\"")?;
+    let kind = match kind.choice("task kind", &TASK_KINDS)? {
+        "cycles" => {
+            section.allow("key of a cycles task", &[&COMMON[..], &CYCLES].concat())?;
+            TaskKind::Cycles(cycles(section, read, announced)?)
+        }
+        _ => {
+            section.allow("key of an equilibria task", &[&COMMON[..], &EQUILIBRIA].concat())?;
+            TaskKind::Equilibria(equilibria(section)?)
+        }
+    };
+    Ok(Task { name, kind, at: section.at.clone() })
+}
+
+fn equilibria(section: &Section<'_>) -> Result<Equilibria, SceneError> {
+    Ok(Equilibria {
+        along: along::read(section)?,
+        spectrum: match section.get("spectrum") {
+            Some(entry) => entry.count(0..=MAX_COLUMNS)?,
+            None => 0,
+        },
+        detect: match section.get("detect") {
+            Some(entry) => detect(&entry)?,
+            None => Vec::new(),
+        },
+    })
+}
+
+fn detect(entry: &Entry<'_>) -> Result<Vec<String>, SceneError> {
+    for item in entry.list("a list such as [\"HB\", \"LP\"]")? {
+        item.choice("kind of point to detect", &["HB", "LP"])?;
+    }
+    entry.texts()
+}
+
+fn cycles(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Result<Cycles, SceneError> {
+    let from = section.need("from", "from = \"TASK/HB1\", the point where the cycles are born")?;
+    label::check(from.text()?, read, announced).map_err(|fault| from.error(fault))?;
+    Ok(Cycles {
+        along: along::read(section)?,
+        from: from.text()?.to_owned(),
+        from_at: from.at,
+        intervals: match section.get("intervals") {
+            Some(entry) => entry.count(2..=10_000)?,
+            None => 20,
+        },
+        degree: match section.get("degree") {
+            Some(entry) => entry.count(2..=7)?,
+            None => 4,
+        },
+        multipliers: match section.get("multipliers") {
+            Some(entry) => multipliers(&entry)?,
+            None => 0,
+        },
+        gauss: match section.get("points") {
+            Some(entry) => entry.choice("points", &["radau", "gauss"])? == "gauss",
+            None => false,
+        },
+        symmetry: match section.get("symmetry") {
+            Some(entry) => entry.choice("symmetry", &["auto", "none"])? == "auto",
+            None => true,
+        },
+    })
+}
+
+fn multipliers(entry: &Entry<'_>) -> Result<usize, SceneError> {
+    match entry.node.content {
+        Content::Flag(true) => Ok(6),
+        Content::Flag(false) => Ok(0),
+        Content::Integer(_) => entry.count(0..=MAX_COLUMNS),
+        _ => entry.type_error(&format!("true, false or a whole number from 0 to {MAX_COLUMNS}")),
+    }
+}

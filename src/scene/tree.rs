@@ -1,0 +1,187 @@
+//! A TOML document as plain data that remembers lines. Not serde: an own tree lets `--set` and the file feed one
+//! reader, and lets every message name line, key and allowed values.
+
+use std::path::Path;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::SceneError;
+
+/// A value and the line it stands on (that of its key in a table; None if it comes from `--set`).
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub line: Option<usize>,
+    pub content: Content,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Content {
+    Text(String),
+    Integer(i64),
+    Number(f64),
+    Flag(bool),
+    /// A date or time, which no entry of a scene takes.
+    Date(String),
+    List(Vec<Node>),
+    Table(Table),
+}
+
+/// Entries in the order of the file.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Table {
+    pub entries: Vec<(String, Node)>,
+}
+
+impl Table {
+    pub fn get(&self, key: &str) -> Option<&Node> {
+        self.entries.iter().find(|(name, _)| name == key).map(|(_, node)| node)
+    }
+
+    pub fn get_mut(&mut self, key: &str) -> Option<&mut Node> {
+        self.entries.iter_mut().find(|(name, _)| name == key).map(|(_, node)| node)
+    }
+
+    pub fn set(&mut self, key: &str, node: Node) {
+        match self.get_mut(key) {
+            Some(old) => *old = node,
+            None => self.entries.push((key.to_owned(), node)),
+        }
+    }
+}
+
+impl Content {
+    /// For messages: the kind of value and, where it is short, the value.
+    pub fn describe(&self) -> String {
+        match self {
+            Content::Text(text) if text.chars().count() <= 60 => format!("the string {text:?}"),
+            Content::Text(_) => "a long string".to_owned(),
+            Content::Integer(value) => format!("the whole number {value}"),
+            Content::Number(value) => format!("the number {value:?}"),
+            Content::Flag(value) => format!("{value}"),
+            Content::Date(text) => format!("the date or time {text}"),
+            Content::List(items) => format!("a list of {}", items.len()),
+            Content::Table(_) => "a table".to_owned(),
+        }
+    }
+}
+
+/// Reads a document.
+pub(super) fn document(text: &str, path: &Path) -> Result<Table, SceneError> {
+    let lines = Lines::new(text);
+    let refuse = |offset: usize, message: String| SceneError::Syntax {
+        path: path.to_owned(),
+        line: lines.line(offset),
+        column: lines.column(text, offset),
+        message,
+    };
+    let table = DeTable::parse(text).map_err(|error| {
+        let offset = error.span().map_or(text.len(), |span| span.start);
+        refuse(offset, error.message().to_owned())
+    })?;
+    let line = |offset| Some(lines.line(offset));
+    convert_table(table.get_ref(), &line).map_err(|(offset, message)| refuse(offset, message))
+}
+
+/// Reads one value, as `--set` gives it.
+pub(super) fn value(text: &str) -> Result<Node, String> {
+    let value = DeValue::parse(text).map_err(|error| error.message().to_owned())?;
+    convert(&value, &|_| None).map_err(|(_, message)| message)
+}
+
+type LineOf<'a> = dyn Fn(usize) -> Option<usize> + 'a;
+
+/// The recursion is bounded: `toml` refuses documents nested deeper than 80.
+fn convert(value: &Spanned<DeValue<'_>>, line: &LineOf<'_>) -> Result<Node, (usize, String)> {
+    let start = value.span().start;
+    let content = match value.get_ref() {
+        DeValue::String(text) => Content::Text(text.to_string()),
+        DeValue::Integer(integer) => {
+            i64::from_str_radix(integer.as_str(), integer.radix()).map(Content::Integer).map_err(|_| {
+                (
+                    start,
+                    format!("{integer} is too large for a whole number; write it with a decimal point or an exponent"),
+                )
+            })?
+        }
+        DeValue::Float(float) => {
+            float.as_str().parse().map(Content::Number).map_err(|_| (start, format!("{float} is not a number")))?
+        }
+        DeValue::Boolean(flag) => Content::Flag(*flag),
+        DeValue::Datetime(date) => Content::Date(date.to_string()),
+        DeValue::Array(items) => Content::List(items.iter().map(|item| convert(item, line)).collect::<Result<_, _>>()?),
+        DeValue::Table(table) => Content::Table(convert_table(table, line)?),
+    };
+    Ok(Node { line: line(start), content })
+}
+
+fn convert_table(table: &DeTable<'_>, line: &LineOf<'_>) -> Result<Table, (usize, String)> {
+    let mut entries = Vec::with_capacity(table.len());
+    for (key, value) in table.iter() {
+        let mut node = convert(value, line)?;
+        node.line = line(key.span().start);
+        entries.push((key.get_ref().to_string(), node));
+    }
+    Ok(Table { entries })
+}
+
+/// Where lines start, to turn offsets into line numbers.
+struct Lines {
+    starts: Vec<usize>,
+}
+
+impl Lines {
+    fn new(text: &str) -> Lines {
+        let after_breaks = text.match_indices('\n').map(|(at, _)| at + 1);
+        Lines { starts: std::iter::once(0).chain(after_breaks).collect() }
+    }
+
+    /// 1-based.
+    fn line(&self, offset: usize) -> usize {
+        self.starts.partition_point(|&start| start <= offset)
+    }
+
+    /// 1-based, in characters.
+    fn column(&self, text: &str, offset: usize) -> usize {
+        let start = self.starts.iter().rfind(|&&start| start <= offset);
+        let before = start.and_then(|&start| text.get(start..offset.min(text.len())));
+        before.map_or(0, |before| before.chars().count()) + 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn entries_keep_their_lines_and_order() {
+        let table = document("b = 1\n\n[a]\nz = [1,\n 2]\ny.w = 2\n[[t]]\n[[t]]\n", Path::new("s")).expect("valid");
+        let keys: Vec<&str> = table.entries.iter().map(|(key, _)| key.as_str()).collect();
+        assert_eq!(keys, ["b", "a", "t"]);
+        let line = |key| table.get(key).and_then(|node| node.line);
+        assert_eq!((line("b"), line("a"), line("t")), (Some(1), Some(3), Some(7)));
+        let Some(Node { content: Content::Table(a), .. }) = table.get("a") else {
+            panic!("a is a table");
+        };
+        assert_eq!(a.get("y").and_then(|node| node.line), Some(6));
+        let Some(Node { content: Content::List(t), .. }) = table.get("t") else {
+            panic!("t is a list");
+        };
+        let lines: Vec<Option<usize>> = t.iter().map(|node| node.line).collect();
+        assert_eq!(lines, [Some(7), Some(8)]);
+    }
+
+    #[test]
+    fn syntax_errors_name_line_and_column() {
+        for (text, expected) in [
+            ("title = \"a\"\nx = [1,\n", "s.toml:2:8: not valid TOML: unclosed array"),
+            ("a = 1\na = 2", "s.toml:2:1: not valid TOML: duplicate key"),
+            ("é = \"\"\n", "s.toml:1:1: not valid TOML: invalid unquoted key"),
+            ("a = 99999999999999999999", "s.toml:1:5: not valid TOML: 99999999999999999999 is too large"),
+            (&"[".repeat(1000), "s.toml:1:"),
+        ] {
+            let error = document(text, Path::new("s.toml")).expect_err("must be refused");
+            assert!(error.to_string().starts_with(expected), "{error}");
+        }
+    }
+}
