@@ -7,4 +7,5 @@ pub mod models;
 pub mod orbit;
 pub mod plot;
 pub mod problem;
+pub mod run;
 pub mod scene;

@@ -1,1 +1,94 @@
-fn main() {}
+//! The command line program: parse, run, exit code.
+
+use clap::Parser;
+use hopfline::cli::{self, Cli, Command};
+use hopfline::run::{self, RunError, RunOptions};
+use hopfline::scene::Scene;
+use std::io::{ErrorKind, Write};
+use std::process::ExitCode;
+use std::sync::atomic::Ordering;
+
+// Collocation allocates and frees blocks of a megabyte; the system allocator gives them back to the kernel each time,
+// which doubles the time of a linearisation.
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
+fn main() -> ExitCode {
+    match execute(Cli::parse().command) {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::from(1),
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// Prints to stdout; a reader that has gone away is not an error.
+fn print(text: &str) -> Result<(), RunError> {
+    match std::io::stdout().write_all(text.as_bytes()) {
+        Err(e) if e.kind() != ErrorKind::BrokenPipe => Err(RunError::Input(format!("cannot write to stdout: {e}"))),
+        _ => Ok(()),
+    }
+}
+
+fn execute(command: Command) -> Result<bool, RunError> {
+    match command {
+        Command::Run(run) => return execute_run(run),
+        Command::Check(check) => {
+            for path in &check.input.scenes {
+                print(&run::plan(&Scene::load(path, &check.input.sets)?)?)?;
+            }
+        }
+        Command::Models(models) => match models.name {
+            None => print(&run::models())?,
+            Some(name) => print(&run::one_model(&name)?)?,
+        },
+        Command::Plot(plot) => {
+            for name in run::redraw(&plot.dir)? {
+                print(&format!("{}\n", plot.dir.join("figures").join(name + ".svg").display()))?;
+            }
+        }
+        Command::New(new) => {
+            let path = std::path::PathBuf::from(format!("{}.toml", new.name));
+            let text = run::template(&new.name, &new.model)?;
+            let file = std::fs::OpenOptions::new().write(true).create_new(true).open(&path);
+            file.and_then(|mut file| file.write_all(text.as_bytes()))
+                .map_err(|e| RunError::Input(format!("cannot write {}: {e}", path.display())))?;
+            print(&format!("{}\n", path.display()))?;
+        }
+        Command::Completions(completions) => cli::completions(completions.shell)
+            .map_err(|e| RunError::Input(format!("cannot write to stdout: {e}")))?,
+    }
+    Ok(true)
+}
+
+fn execute_run(arguments: cli::Run) -> Result<bool, RunError> {
+    if let Some(threads) = arguments.threads {
+        // The pool is built once per process, here, so this cannot fail for having been built before.
+        let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global();
+    }
+    let interrupt = ctrlc::set_handler(|| {
+        // A second Ctrl-C does not wait for the current point; only whole files are ever on the disk.
+        if run::INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(1);
+        }
+    });
+    interrupt.map_err(|e| RunError::Input(format!("cannot listen for Ctrl-C: {e}")))?;
+    // All scenes are read before the first is run: an error in the last one should not cost an hour.
+    let load = |path: &std::path::PathBuf| Scene::load(path, &arguments.input.sets);
+    let scenes: Vec<Scene> = arguments.input.scenes.iter().map(load).collect::<Result<_, _>>()?;
+    let options = RunOptions {
+        out: arguments.out.clone(),
+        only: arguments.only.clone(),
+        resume: arguments.resume,
+        quiet: arguments.quiet,
+    };
+    let mut success = true;
+    for scene in &scenes {
+        let summary = run::run(scene, &options)?;
+        print(&summary.table(&options.out.join(&scene.name).display().to_string()))?;
+        success &= summary.success();
+    }
+    Ok(success)
+}

@@ -54,9 +54,12 @@ fn entities(values: &[c64]) -> Vec<(Entity, usize, usize)> {
     found
 }
 
-/// Orders `next` (rightmost first) after the branches `last`, expected near `guess`. Only the first `wanted` branches
-/// matter: what happens further left may stay open. `force` settles doubts by distance alone.
+/// Orders `next` (rightmost first) after the branches `last`, expected near `guess`. Only branches that are or come
+/// among the `wanted` rightmost matter: what happens further left may stay open. `force` settles doubts by distance.
 pub fn follow(last: &[c64], guess: &[c64], next: &[c64], wanted: usize, force: bool) -> Result<Followed, Ambiguous> {
+    let mut sorted: Vec<f64> = last.iter().map(|z| z.re).collect();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    let edge = sorted.get(wanted.saturating_sub(1)).copied().unwrap_or(f64::NEG_INFINITY);
     let (old, new) = (entities(last), entities(next));
     let place = |(entity, upper, _): &(Entity, usize, usize)| match entity {
         // A guess of the wrong type (just after a coalescence) is not used.
@@ -127,7 +130,9 @@ pub fn follow(last: &[c64], guess: &[c64], next: &[c64], wanted: usize, force: b
         }
     }
     // Branches beyond the wanted ones may get lost; they then stand still, to be found again or not.
-    if !force && values.iter().take(wanted).any(|v| v.is_none()) {
+    let lost = values.iter().zip(last).any(|(v, old)| v.is_none() && old.re >= edge);
+    let unexplained = from.iter().zip(&new).any(|(taken, (_, upper, _))| taken.is_none() && *upper < wanted);
+    if !force && (lost || unexplained) {
         return Err(Ambiguous);
     }
     let values = values.iter().zip(last).map(|(v, old)| v.unwrap_or(*old)).collect();

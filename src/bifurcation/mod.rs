@@ -4,8 +4,10 @@ mod branches;
 mod equilibria;
 mod hopf;
 mod normal_form;
+mod spectra;
 
 pub use branches::{Ambiguous, Followed, follow};
 pub use equilibria::Equilibria;
 pub use hopf::{Hopf, HopfError};
 pub use normal_form::HopfNormalForm;
+pub use spectra::{Mark, Sample, Spectra, leading};

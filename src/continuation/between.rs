@@ -52,3 +52,34 @@ pub fn at_lambda<S: System>(
     let border = Border { row: vec![0.0; x.len()], lambda: d_lambda.signum() };
     correct(system, (x, lambda), &border, counts)
 }
+
+/// The solution between a and b where a function of it vanishes: regula falsi (Illinois) along the chord, to the
+/// rounding of the function.
+pub fn crossing<S: System>(
+    system: &S,
+    (a, b): (&Point, &Point),
+    value: &dyn Fn(&Point) -> f64,
+    counts: &mut Counts,
+) -> Result<Point, Failure> {
+    let (mut low, mut high) = ((0.0_f64, value(a)), (1.0_f64, value(b)));
+    let (mut best, mut least) = if low.1.abs() < high.1.abs() { (a.clone(), low.1) } else { (b.clone(), high.1) };
+    for _ in 0..60 {
+        let theta = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+        let point = at_fraction(system, (a, b), theta, counts)?.point;
+        let here = value(&point);
+        let narrow = (high.0 - low.0).abs() < 1e-9 && here.abs() >= least.abs();
+        if here.abs() < least.abs() {
+            (least, best) = (here, point);
+        }
+        if here == 0.0 || narrow || (high.0 - low.0).abs() < 1e-15 {
+            break;
+        }
+        if here * high.1 < 0.0 {
+            low = high;
+        } else {
+            low.1 *= 0.5;
+        }
+        high = (theta, here);
+    }
+    Ok(best)
+}

@@ -11,7 +11,7 @@ mod corrector;
 mod step;
 mod walk;
 
-pub use between::{at_fraction, at_lambda};
+pub use between::{at_fraction, at_lambda, crossing};
 pub use corrector::{Corrected, Failure, correct};
 pub use step::StepControl;
 pub use walk::{Step, Stop, Walk, WalkState};

@@ -8,7 +8,7 @@ mod scheme;
 mod shape;
 mod start;
 
-pub use collocation::{Collocation, Frame};
+pub use collocation::{Collocation, Frame, OrbitFactors};
 pub use condensation::Condensed;
 pub use floquet::{Multipliers, multipliers};
 pub use mesh::adapted;

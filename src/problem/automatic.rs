@@ -48,6 +48,10 @@ pub trait Formula: Send + Sync {
         vec![0.0; self.dim()]
     }
 
+    fn time_unit(&self) -> &'static str {
+        ""
+    }
+
     fn observables(&self) -> &[Observable] {
         &[]
     }
@@ -135,6 +139,10 @@ impl<F: Formula> Problem for Automatic<F> {
             }
             _ => unreachable!("derivatives are of order one to three"),
         }
+    }
+
+    fn time_unit(&self) -> &'static str {
+        self.0.time_unit()
     }
 
     fn observables(&self) -> &[Observable] {

@@ -122,10 +122,13 @@ pub struct Direction<'a> {
     pub p: &'a [f64],
 }
 
+/// A map of states into a finer space.
+pub type Prolongation = Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>;
+
 /// A finer discretisation of the same model and the map of states into it.
 pub struct Refinement {
     pub problem: Arc<dyn Problem>,
-    pub prolong: Box<dyn Fn(&[f64]) -> Vec<f64> + Send + Sync>,
+    pub prolong: Prolongation,
 }
 
 /// `G(u, v, p) = M(u, p) v - F(u, p)` and its exact derivatives. Object safe: the call costs nothing next to the work.
@@ -148,6 +151,11 @@ pub trait Problem: Send + Sync {
 
     /// The derivative of G along one, two or three directions: `D^k G [d_1, ..., d_k]`, exact.
     fn derivative(&self, at: At, directions: &[Direction], out: &mut [f64]);
+
+    /// The unit of time, "" if it has none.
+    fn time_unit(&self) -> &'static str {
+        ""
+    }
 
     fn observables(&self) -> &[Observable] {
         &[]

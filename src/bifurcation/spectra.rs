@@ -1,0 +1,289 @@
+//! Eigenvalues along a branch of equilibria: followed through exceptional points, watched for Hopf points.
+
+use super::{Equilibria, Hopf, HopfNormalForm, follow};
+use crate::continuation::{Counts, Failure, Point, at_fraction, at_lambda};
+use crate::linalg::c64;
+use rayon::prelude::*;
+
+/// What is special about a point of a branch of equilibria.
+#[derive(Clone, Debug)]
+pub enum Mark {
+    End,
+    /// The branch could not be followed further.
+    Stuck,
+    User,
+    Fold,
+    Hopf(Box<(Hopf, HopfNormalForm)>),
+    /// Two eigenvalues coalesce at this value: a pair is born or dies on the real axis.
+    Exceptional(f64),
+}
+
+/// A point of the branch with its eigenvalues.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    pub point: Point,
+    pub mark: Option<Mark>,
+    /// Rightmost first.
+    pub values: Vec<c64>,
+    /// In the order of the branches.
+    pub followed: Vec<c64>,
+}
+
+impl Sample {
+    pub fn new(point: Point, mark: Option<Mark>) -> Self {
+        Self { point, mark, values: Vec::new(), followed: Vec::new() }
+    }
+}
+
+/// The tool that computes spectra along one branch.
+pub struct Spectra<'a> {
+    system: &'a Equilibria,
+    wanted: usize,
+    shift: f64,
+}
+
+/// Halvings of a step before eigenvalues that cannot be told apart are settled by distance alone.
+const MOST_HALVINGS: usize = 12;
+/// Where the curves of real and imaginary parts bend like a square root, points stand at these fractions of the gap.
+const GRADES: [f64; 4] = [1.0 / 256.0, 1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0];
+
+impl<'a> Spectra<'a> {
+    /// Computes all samples' eigenvalues, in parallel.
+    pub fn new(
+        system: &'a Equilibria,
+        wanted: usize,
+        samples: &mut [Sample],
+        counts: &mut Counts,
+    ) -> Result<Self, Failure> {
+        let mut tool = Self { system, wanted, shift: 1.0 };
+        // The shift: the size of the wanted eigenvalues, found by asking twice at both ends.
+        for _ in 0..2 {
+            let mut size = 0.0_f64;
+            for end in [samples.first(), samples.last()].into_iter().flatten() {
+                let values = tool.at(&end.point, counts)?;
+                size = values.iter().take(wanted).map(|z| z.norm()).fold(size, f64::max);
+            }
+            tool.shift = if size > 0.0 { 1.5 * size } else { 1.0 };
+        }
+        let tool = tool;
+        let spectra: Result<Vec<_>, _> =
+            samples.par_iter().map(|sample| tool.at(&sample.point, &mut Counts::default())).collect();
+        counts.spectra += samples.len();
+        for (sample, values) in samples.iter_mut().zip(spectra?) {
+            sample.values = values;
+        }
+        Ok(tool)
+    }
+
+    /// Eigenvalues at a point, as many as are ever looked at.
+    fn at(&self, point: &Point, counts: &mut Counts) -> Result<Vec<c64>, Failure> {
+        counts.spectra += 1;
+        let pairs = self.system.spectrum(&point.x, point.lambda, self.shift, 0)?;
+        Ok(pairs.iter().take(4 * self.wanted + 8).map(|pair| pair.value).collect())
+    }
+
+    /// The rightmost eigenvalue's vector.
+    pub fn mode(&self, point: &Point) -> Option<Vec<c64>> {
+        let pairs = self.system.spectrum(&point.x, point.lambda, self.shift, 1).ok()?;
+        pairs.into_iter().next().map(|pair| pair.vector)
+    }
+
+    /// The rightmost eigenvalue of another discretisation of the same system.
+    pub fn leading(&self, system: &Equilibria, point: &Point) -> Option<c64> {
+        system.spectrum(&point.x, point.lambda, self.shift, 0).ok()?.first().map(|pair| pair.value)
+    }
+
+    /// Puts every sample's eigenvalues in the order of the branches; adds samples where they cannot be told apart
+    /// otherwise, and at and around exceptional points.
+    pub fn follow(&self, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
+        let Some(first) = samples.first_mut() else { return Ok(()) };
+        first.followed = first.values.iter().take(2 * self.wanted + 4).copied().collect();
+        let (mut i, mut halvings) = (1, 0);
+        while i < samples.len() {
+            let guess = extrapolate(samples, i);
+            let last = &samples[i - 1].followed;
+            match follow(last, &guess, &samples[i].values, self.wanted, halvings >= MOST_HALVINGS) {
+                Err(_) => {
+                    self.insert(samples, i, 0.5, counts)?;
+                    halvings += 1;
+                }
+                Ok(found) => {
+                    let located = [&samples[i - 1], &samples[i]].iter().any(|s| matches!(s.mark, Some(Mark::Exceptional(_))));
+                    let edge = samples[i].values.get(self.wanted).map_or(f64::NEG_INFINITY, |z| z.re);
+                    let visible = found.coalesced.iter().find(|(j, _)| found.values[*j].re >= edge);
+                    if let Some(&(j, k)) = visible.filter(|_| !located) {
+                        let mean = 0.5 * (found.values[j].re + found.values[k].re);
+                        self.exceptional(samples, i, mean, counts)?;
+                    } else {
+                        samples[i].followed = found.values;
+                        i += 1;
+                    }
+                    halvings = 0;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Inserts a sample before i, at a fraction of the step that ends there.
+    fn insert(&self, samples: &mut Vec<Sample>, i: usize, theta: f64, counts: &mut Counts) -> Result<(), Failure> {
+        let (a, b) = (&samples[i - 1].point, &samples[i].point);
+        let point = at_fraction(self.system, (a, b), theta, counts)?.point;
+        let mut sample = Sample::new(point, None);
+        sample.values = self.at(&sample.point, counts)?;
+        samples.insert(i, sample);
+        Ok(())
+    }
+
+    /// Inserts the exceptional point between samples i - 1 and i, and points that draw near to it.
+    fn exceptional(&self, samples: &mut Vec<Sample>, i: usize, mean: f64, counts: &mut Counts) -> Result<(), Failure> {
+        let (a, b) = (samples[i - 1].point.clone(), samples[i].point.clone());
+        let theta = self.coalescence(self.system, (&a, &b), mean, counts)?;
+        let left = GRADES.iter().rev().map(|g| (theta * (1.0 - g), false));
+        let right = GRADES.iter().map(|g| (theta + (1.0 - theta) * g, false));
+        for (k, (at, exact)) in left.chain([(theta, true)]).chain(right).enumerate() {
+            let point = at_fraction(self.system, (&a, &b), at, counts)?.point;
+            let mut sample = Sample::new(point, exact.then_some(Mark::Exceptional(mean)));
+            sample.values = self.at(&sample.point, counts)?;
+            samples.insert(i + k, sample);
+        }
+        Ok(())
+    }
+
+    /// The fraction of the step from a to b at which the pair nearest to `mean` coalesces: the root of its
+    /// discriminant `((s1 - s2)/2)²`, which is smooth there.
+    pub fn coalescence(
+        &self,
+        system: &Equilibria,
+        (a, b): (&Point, &Point),
+        mean: f64,
+        counts: &mut Counts,
+    ) -> Result<f64, Failure> {
+        let mut centre = mean;
+        let mut discriminant = |theta: f64, counts: &mut Counts| -> Result<f64, Failure> {
+            let point = at_fraction(system, (a, b), theta, counts)?.point;
+            counts.spectra += 1;
+            let values: Vec<c64> =
+                system.spectrum(&point.x, point.lambda, self.shift, 0)?.iter().map(|pair| pair.value).collect();
+            // The two that are closest to each other for their distance from the last mean.
+            let mut best = (f64::INFINITY, 0.0, centre);
+            for (j, x) in values.iter().enumerate().take(4 * self.wanted + 8) {
+                for y in &values[..j] {
+                    let (sum, half) = (0.5 * (x + y), 0.5 * (x - y));
+                    let alike = sum.im.abs() <= 1e-9 * sum.norm();
+                    let far = half.norm() + (sum.re - centre).abs();
+                    if alike && far < best.0 {
+                        best = (far, half.re * half.re - half.im * half.im, sum.re);
+                    }
+                }
+            }
+            centre = best.2;
+            Ok(best.1)
+        };
+        let (mut low, mut high) = ((0.0_f64, discriminant(0.0, counts)?), (1.0_f64, discriminant(1.0, counts)?));
+        if low.1 * high.1 > 0.0 {
+            return Ok(0.5);
+        }
+        let scale = low.1.abs().max(high.1.abs());
+        for _ in 0..30 {
+            let theta = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+            let here = discriminant(theta, counts)?;
+            if here.abs() < 1e-13 * scale || (high.0 - low.0).abs() < 1e-13 {
+                return Ok(theta);
+            }
+            if here * high.1 < 0.0 {
+                low = high;
+            } else {
+                low.1 *= 0.5;
+            }
+            high = (theta, here);
+        }
+        Ok(high.0)
+    }
+
+    /// Inserts every Hopf point: a followed pair whose real part changes sign between two samples, solved for on its
+    /// defining system.
+    pub fn hopf_points(&self, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
+        let mut i = 1;
+        while i < samples.len() {
+            let (a, b) = (&samples[i - 1], &samples[i]);
+            let crossing = (0..a.followed.len()).filter(|&k| {
+                let (x, y) = (a.followed[k], b.followed[k]);
+                x.im > 0.0 && y.im > 0.0 && (x.re < 0.0) != (y.re < 0.0)
+            });
+            let mut found: Vec<Sample> = crossing.filter_map(|k| self.hopf_between(a, b, k, counts)).collect();
+            found.sort_by(|x, y| {
+                let along = |s: &Sample| (s.point.lambda - a.point.lambda) / (b.point.lambda - a.point.lambda);
+                along(x).total_cmp(&along(y))
+            });
+            let count = found.len();
+            for sample in found.into_iter().rev() {
+                samples.insert(i, sample);
+            }
+            // Their eigenvalues in order, between neighbours that already are.
+            for j in i..i + count {
+                let (last, next) = (samples[j - 1].followed.clone(), samples[i + count].followed.clone());
+                let values = samples[j].values.clone();
+                samples[j].followed = follow(&last, &next, &values, self.wanted, true).map_or(last, |found| found.values);
+            }
+            i += count + 1;
+        }
+        Ok(())
+    }
+
+    fn hopf_between(&self, a: &Sample, b: &Sample, k: usize, counts: &mut Counts) -> Option<Sample> {
+        let (x, y) = (a.followed[k], b.followed[k]);
+        let theta = x.re / (x.re - y.re);
+        let near = at_fraction(self.system, (&a.point, &b.point), theta, counts).ok()?.point;
+        let expected = x + (y - x) * theta;
+        let pairs = self.system.spectrum(&near.x, near.lambda, self.shift, 2 * self.wanted + 8).ok()?;
+        counts.spectra += 1;
+        let pair = pairs
+            .iter()
+            .filter(|pair| pair.value.im > 0.0 && !pair.vector.is_empty())
+            .min_by(|p, q| (p.value - expected).norm().total_cmp(&(q.value - expected).norm()))?;
+        let p = self.system.parameters(near.lambda);
+        let problem = &*self.system.problem;
+        let hopf = Hopf::locate(problem, (&near.x, &p), self.system.free, pair.value.im, &pair.vector).ok()?;
+        let form = HopfNormalForm::new(problem, &hopf).ok()?;
+        let lambda = hopf.p[self.system.free];
+        let (low, high) = (a.point.lambda.min(b.point.lambda), a.point.lambda.max(b.point.lambda));
+        let slack = 1e-9 * (high - low);
+        if lambda < low - slack || lambda > high + slack {
+            return None;
+        }
+        let mut point = at_lambda(self.system, (&a.point, &b.point), lambda, counts).ok()?.point;
+        point.x.copy_from_slice(&hopf.u);
+        let mut sample = Sample::new(point, Some(Mark::Hopf(Box::new((hopf, form)))));
+        sample.values = self.at(&sample.point, counts).ok()?;
+        Some(sample)
+    }
+}
+
+/// Branches by linear extrapolation from the last two samples; the last values where a pair was just born or died.
+fn extrapolate(samples: &[Sample], i: usize) -> Vec<c64> {
+    let last = &samples[i - 1];
+    let Some(before) = i.checked_sub(2).map(|k| &samples[k]) else { return last.followed.clone() };
+    let distance = |a: &Point, b: &Point| {
+        let d: f64 = a.x.iter().zip(&b.x).map(|(x, y)| (x - y).powi(2)).sum();
+        (d + (a.lambda - b.lambda).powi(2)).sqrt()
+    };
+    let behind = distance(&before.point, &last.point);
+    let ratio = if behind > 0.0 { distance(&last.point, &samples[i].point) / behind } else { 0.0 };
+    let same = |x: &c64, y: &c64| (x.im == 0.0) == (y.im == 0.0);
+    // Far beyond a short step, or across an exceptional point, the last value is the better guess.
+    let pairs = last.followed.iter().zip(&before.followed);
+    pairs.map(|(x, y)| if ratio <= 4.0 && same(x, y) { x + (x - y) * ratio } else { *x }).collect()
+}
+
+/// Branches that are among the `wanted` rightmost at some sample, by their first real part.
+pub fn leading(samples: &[Sample], wanted: usize) -> Vec<usize> {
+    let count = samples.first().map_or(0, |s| s.followed.len());
+    let mut shown = vec![false; count];
+    for sample in samples {
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by(|&j, &k| sample.followed[k].re.total_cmp(&sample.followed[j].re));
+        order.iter().take(wanted).for_each(|&k| shown[k] = true);
+    }
+    (0..count).filter(|&k| shown[k]).collect()
+}

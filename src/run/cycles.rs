@@ -1,0 +1,409 @@
+//! A task of kind `cycles`: a branch of periodic orbits from a Hopf point, with multipliers, user values and errors.
+
+use super::equilibria::error;
+use super::outcome::{Outcome, Status, labels};
+use super::resume::{Checkpoint, Keeper};
+use super::study::Prepared;
+use super::wave;
+use super::watch::{Watch, interrupted};
+use crate::bifurcation::{Hopf, HopfNormalForm};
+use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
+use crate::continuation::{
+    Border, Counts, Factored, Failure, Point, StepControl, Stop, System, Walk, at_lambda, correct, crossing, inner,
+};
+use crate::linalg::c64;
+use crate::orbit::{Collocation, Frame, Multipliers, Orbit, OrbitFactors, Points, from_hopf, half_period};
+use crate::problem::{Problem, Reflection};
+use crate::scene;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Instant;
+use thiserror::Error;
+
+#[derive(Debug, Error)]
+enum CyclesError {
+    #[error(transparent)]
+    Numerics(#[from] Failure),
+    #[error("the start is not a Hopf point any more: {0}")]
+    Start(#[from] crate::bifurcation::HopfError),
+    #[error("the Hopf point at {name} = {value} does not lie inside the range {from} to {to}")]
+    Outside { name: String, value: f64, from: f64, to: f64 },
+    #[error("{0} is not stored with its eigenvector")]
+    Incomplete(String),
+    #[error("the first Lyapunov coefficient vanishes: third order does not decide where the cycles go")]
+    Degenerate,
+}
+
+/// Radius of the first cycle and step sizes, in parts of the range: amplitudes go as the square root of it.
+const FIRST_RADIUS: f64 = 0.02;
+const FIRST_STEP: f64 = 0.02;
+const LARGEST_STEP: f64 = 0.04;
+const LEAST_STEP: f64 = 1e-7;
+
+/// A branch of cycles in the making.
+struct Cycles<'a> {
+    prepared: &'a Prepared,
+    task: &'a scene::Cycles,
+    branch: Branch,
+}
+
+/// Runs the task from a Hopf point; goes on from a checkpoint if there is one.
+pub fn run(
+    prepared: &Prepared,
+    name: &str,
+    task: &scene::Cycles,
+    from: &SpecialPoint,
+    keeper: &Keeper,
+    watch: &Watch,
+) -> Outcome {
+    let start = Instant::now();
+    let kept = keeper.load(name);
+    let before = kept.as_ref().map_or(0.0, |kept| kept.seconds);
+    let mut counts = kept.as_ref().map_or_else(Counts::default, |kept| kept.counts);
+    let mut cycles = Cycles { prepared, task, branch: empty(prepared, name, task) };
+    let result = cycles.follow(from, kept, keeper, watch, &mut counts, (start, before));
+    let (status, reason) = match result {
+        Ok(Stop::Interrupted) => (Status::Interrupted, Stop::Interrupted.to_string()),
+        Ok(stop @ Stop::Stagnation { .. }) => (Status::Failed, stop.to_string()),
+        Ok(stop) => (Status::Done, stop.to_string()),
+        Err(failure) => (Status::Failed, failure.to_string()),
+    };
+    Outcome { branch: cycles.branch, status, reason, seconds: before + start.elapsed().as_secs_f64(), counts }
+}
+
+pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
+    let time = prepared.problem.time_unit();
+    let frequency = match time {
+        "" => String::new(),
+        "s" => "Hz".to_owned(),
+        unit => format!("1/{unit}"),
+    };
+    let mut columns = vec![
+        (prepared.free_name.clone(), prepared.free_unit.clone()),
+        ("period".to_owned(), time.to_owned()),
+        ("frequency".to_owned(), frequency),
+    ];
+    let list = prepared.problem.observables();
+    for &i in &prepared.observables {
+        for extreme in ["max", "min"] {
+            columns.push((format!("{extreme} {}", list[i].name), list[i].unit.to_owned()));
+        }
+    }
+    let measured = columns.len();
+    if task.multipliers > 0 {
+        for k in 1..=task.multipliers.min(prepared.problem.dim() - 1) {
+            columns.push((format!("mu_{k}_re"), String::new()));
+            columns.push((format!("mu_{k}_im"), String::new()));
+        }
+        columns.push(("trivial_error".to_owned(), String::new()));
+    }
+    if task.along.errors {
+        for k in 1..measured {
+            columns.push((format!("error {}", columns[k].0), columns[k].1.clone()));
+        }
+    }
+    Branch {
+        name: name.to_owned(),
+        kind: BranchKind::Cycles,
+        free: vec![prepared.free_name.clone()],
+        columns: columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
+        rows: Vec::new(),
+        points: Vec::new(),
+    }
+}
+
+impl Cycles<'_> {
+    fn follow(
+        &mut self,
+        from: &SpecialPoint,
+        kept: Option<Checkpoint>,
+        keeper: &Keeper,
+        watch: &Watch,
+        counts: &mut Counts,
+        (start, before): (Instant, f64),
+    ) -> Result<Stop, CyclesError> {
+        let along = &self.task.along;
+        let (low, high) = (along.range.from, along.range.to);
+        let (hopf, form) = self.hopf(from)?;
+        let onset = hopf.p[self.prepared.free];
+        if !(low <= onset && onset <= high) {
+            let name = self.prepared.free_name.clone();
+            return Err(CyclesError::Outside { name, value: onset, from: low, to: high });
+        }
+        let span = if form.p2 > 0.0 { high - onset } else { onset - low };
+        let reference = (span / form.p2.abs()).sqrt();
+        if !reference.is_finite() || reference == 0.0 {
+            return Err(CyclesError::Degenerate);
+        }
+        let (mut system, state) = match kept {
+            Some(Checkpoint { branch, orbit, walk, .. }) => {
+                self.branch = branch;
+                (Collocation::new(self.frame(&hopf, reference, span), &orbit), walk)
+            }
+            None => self.start(&hopf, &form, (reference, span), counts)?,
+        };
+        let mut walk = Walk::resume(&mut system, state, (low, high));
+        loop {
+            let stopping = interrupted();
+            keeper.keep(&self.branch.name, stopping, || Checkpoint {
+                branch: self.branch.clone(),
+                orbit: walk.system.orbit(&walk.state.point.x),
+                walk: walk.state.clone(),
+                counts: *counts,
+                seconds: before + start.elapsed().as_secs_f64(),
+            });
+            if stopping {
+                return Ok(Stop::Interrupted);
+            }
+            if self.branch.rows.len() >= along.max_points {
+                return Ok(Stop::MaxPoints);
+            }
+            let before_step = walk.counts;
+            let step = match walk.step() {
+                Ok(step) => step,
+                Err(stop) => {
+                    if let (Some(row), Stop::Stagnation { .. }) = (self.branch.rows.len().checked_sub(1), &stop) {
+                        let point = walk.state.point.clone();
+                        self.name_row(&*walk.system, &point, row, Kind::MX);
+                    }
+                    return Ok(stop);
+                }
+            };
+            let lambda = step.to.lambda;
+            self.user_values(&*walk.system, &step.from, &step.to, counts)?;
+            let kind = step.stop.as_ref().filter(|stop| **stop == Stop::RangeEnd).map(|_| Kind::EP);
+            self.push(&*walk.system, &step.to, &step.factors, kind, counts);
+            counts.newton += walk.counts.newton - before_step.newton;
+            counts.residuals += walk.counts.residuals - before_step.residuals;
+            counts.factorisations += walk.counts.factorisations - before_step.factorisations;
+            let goal = if form.p2 > 0.0 { high } else { low };
+            watch.at((lambda - onset) / (goal - onset), format!("{} = {lambda:.6}", along.free));
+            if let Some(stop) = step.stop {
+                return Ok(stop);
+            }
+        }
+    }
+
+    /// The Hopf point that was stored, solved for again with this task's free parameter.
+    fn hopf(&self, from: &SpecialPoint) -> Result<(Hopf, HopfNormalForm), CyclesError> {
+        let array = |name: &str| from.arrays.get(name).map(|a| a.data.clone());
+        let (Some(u), Some(re), Some(im), Some(&omega)) =
+            (array("state"), array("q_re"), array("q_im"), from.values.get("omega"))
+        else {
+            return Err(CyclesError::Incomplete(from.label.clone()));
+        };
+        let q: Vec<c64> = re.iter().zip(im).map(|(&re, im)| c64::new(re, im)).collect();
+        let list = self.prepared.problem.parameters();
+        let p: Vec<f64> = list.iter().map(|q| from.parameters.get(q.name).copied().unwrap_or(f64::NAN)).collect();
+        let problem = &*self.prepared.problem;
+        let hopf = Hopf::locate(problem, (&u, &p), self.prepared.free, omega, &q)?;
+        let form = HopfNormalForm::new(problem, &hopf)?;
+        Ok((hopf, form))
+    }
+
+    fn frame(&self, hopf: &Hopf, reference: f64, span: f64) -> Frame {
+        let reflection = if self.task.symmetry { half_period(&*self.prepared.problem, hopf) } else { None };
+        let parts = if reflection.is_some() { 2 } else { 1 };
+        Frame {
+            problem: self.prepared.problem.clone(),
+            p: hopf.p.clone(),
+            free: self.prepared.free,
+            symmetry: reflection.unwrap_or_else(|| Reflection::identity(hopf.u.len())),
+            parts,
+            // Root mean square of 2 r Re(q e^{i theta}) with |q| = 1.
+            scale_state: reference * 2.0_f64.sqrt(),
+            scale_part: 2.0 * std::f64::consts::PI / hopf.omega / parts as f64,
+            scale_lambda: span,
+        }
+    }
+
+    /// The Hopf point as first row, the first cycle, and the walk from there.
+    fn start(
+        &mut self,
+        hopf: &Hopf,
+        form: &HopfNormalForm,
+        (reference, span): (f64, f64),
+        counts: &mut Counts,
+    ) -> Result<(Collocation, crate::continuation::WalkState), CyclesError> {
+        let frame = self.frame(hopf, reference, span);
+        let (symmetry, parts) = (frame.symmetry.clone(), frame.parts);
+        let points = if self.task.gauss { Points::Gauss } else { Points::Radau };
+        let mesh = (self.task.intervals, self.task.degree, points);
+        let predict = |r: f64| from_hopf((hopf, form), self.prepared.free, r, (&symmetry, parts), mesh);
+        let r = FIRST_RADIUS * reference;
+        let ((orbit, lambda), (ahead, lambda_ahead)) = (predict(r), predict(1.01 * r));
+        let system = Collocation::new(frame, &orbit);
+        let x = Collocation::unknowns(&orbit);
+        let direction: Vec<f64> = Collocation::unknowns(&ahead).iter().zip(&x).map(|(a, b)| a - b).collect();
+        let along = (&direction[..], lambda_ahead - lambda);
+        let length = inner(&system, along, along).sqrt();
+        let border = Border {
+            row: system.dual(&direction).iter().map(|t| t / length).collect(),
+            lambda: system.dual_lambda() * along.1 / length,
+        };
+        let first = correct(&system, (x, lambda), &border, counts)?;
+
+        let onset = from_hopf((hopf, form), self.prepared.free, 0.0, (&symmetry, parts), mesh).0;
+        let still = Point { x: Collocation::unknowns(&onset), lambda: hopf.p[self.prepared.free], ..first.point.clone() };
+        let values = self.measure(&onset, &symmetry, &system.parameters(still.lambda));
+        let mut row: Vec<Option<f64>> = vec![Some(still.lambda)];
+        row.extend(values.into_iter().map(Some));
+        row.resize(self.branch.columns.len(), None);
+        self.branch.rows.push(Row { label: None, stable: None, values: row });
+        self.push(&system, &first.point, &first.factors, None, counts);
+
+        let most = self.task.along.max_step.map_or(LARGEST_STEP, |step| step / span);
+        let control = StepControl { step: FIRST_STEP.min(most), least: LEAST_STEP, most };
+        let mut system = system;
+        let state = Walk::new(&mut system, first.point, control, (0.0, 0.0)).state;
+        Ok((system, state))
+    }
+
+    /// Period, frequency, extremes: the columns after the parameter.
+    fn measure(&self, orbit: &Orbit, symmetry: &Reflection, p: &[f64]) -> Vec<f64> {
+        measure(&*self.prepared.problem, &self.prepared.observables, orbit, symmetry, p)
+    }
+
+    /// Appends a row, and a special point if it has a kind.
+    fn push(
+        &mut self,
+        system: &Collocation,
+        point: &Point,
+        factors: &OrbitFactors,
+        kind: Option<Kind>,
+        counts: &mut Counts,
+    ) {
+        let orbit = system.orbit(&point.x);
+        let p = system.parameters(point.lambda);
+        let measured = self.measure(&orbit, &system.frame.symmetry, &p);
+        let mut values: Vec<Option<f64>> = vec![Some(point.lambda)];
+        values.extend(measured.iter().copied().map(Some));
+        let multipliers = if self.task.multipliers > 0 { factors.multipliers().ok() } else { None };
+        if self.task.multipliers > 0 {
+            let shown = self.task.multipliers.min(orbit.dim - 1);
+            for k in 0..shown {
+                let mu = multipliers.as_ref().and_then(|m| m.values.get(k));
+                values.extend([mu.map(|mu| mu.re), mu.map(|mu| mu.im)]);
+            }
+            values.push(multipliers.as_ref().map(|m| m.trivial_error));
+        }
+        if self.task.along.errors {
+            let fine = self.refined(system, &orbit, point.lambda, counts);
+            let errors = measured.iter().enumerate().map(|(k, &value)| fine.as_ref().map(|fine| error(value, fine[k])));
+            values.extend(errors);
+        }
+        let stable = multipliers.as_ref().map(|m: &Multipliers| m.unstable() == 0);
+        self.branch.rows.push(Row { label: None, stable, values });
+        if let Some(kind) = kind {
+            self.name_row(system, point, self.branch.rows.len() - 1, kind);
+        }
+    }
+
+    /// Makes a row a special point.
+    fn name_row(&mut self, system: &Collocation, point: &Point, row: usize, kind: Kind) {
+        let orbit = system.orbit(&point.x);
+        let p = system.parameters(point.lambda);
+        let resolved = self.prepared.problem.resolve(&p);
+        let list = self.prepared.problem.parameters();
+        let (mut values, mut errors) = (BTreeMap::new(), BTreeMap::new());
+        for (column, value) in self.branch.columns.iter().zip(&self.branch.rows[row].values).skip(1) {
+            let Some(value) = *value else { continue };
+            match column.name.strip_prefix("error ") {
+                Some(name) => errors.insert(name.to_owned(), value),
+                None => values.insert(column.name.clone(), value),
+            };
+        }
+        let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
+        let nodes = orbit.nodes.len() / orbit.dim;
+        let tangent = system.orbit(&point.tangent);
+        let arrays = BTreeMap::from([
+            ("state".to_owned(), Array { shape: vec![nodes, orbit.dim], data: orbit.nodes.clone() }),
+            ("tangent".to_owned(), Array { shape: vec![nodes, orbit.dim], data: tangent.nodes }),
+            ("tangent_part_lambda".to_owned(), vector(vec![tangent.part, point.tangent_lambda])),
+            ("mesh".to_owned(), vector(orbit.mesh.clone())),
+            ("degree_parts".to_owned(), vector(vec![orbit.degree as f64, orbit.parts as f64])),
+            ("part".to_owned(), vector(vec![orbit.part])),
+            ("parameters".to_owned(), vector(resolved.clone())),
+        ]);
+        let (short, label) = labels(&self.branch, kind);
+        let parameters = list.iter().zip(&resolved).map(|(q, &x)| (q.name.to_owned(), x)).collect();
+        let mut special = SpecialPoint { label, kind, row, parameters, values, errors, arrays };
+        if self.prepared.waves.contains(&short) {
+            wave::of_orbit(self.prepared, &orbit, &system.frame.symmetry, &p, &mut special);
+        }
+        self.branch.rows[row].label = Some(short);
+        self.branch.points.push(special);
+    }
+
+    /// The same quantities on a refined discretisation, in space where the problem has one and in time by a degree
+    /// more: one Newton step from the present orbit at the same parameters, which leaves the error of the error.
+    fn refined(&self, system: &Collocation, orbit: &Orbit, lambda: f64, counts: &mut Counts) -> Option<Vec<f64>> {
+        let refinement = self.prepared.problem.refined();
+        let (problem, finer): (Arc<dyn Problem>, Orbit) = match &refinement {
+            Some(refinement) => (refinement.problem.clone(), orbit.mapped(&*refinement.prolong)),
+            None => (self.prepared.problem.clone(), orbit.clone()),
+        };
+        let finer = finer.interpolated(&orbit.mesh, orbit.degree + 1);
+        let symmetry = if orbit.parts == 2 { problem.reflection()? } else { Reflection::identity(problem.dim()) };
+        let frame = Frame { problem: problem.clone(), symmetry: symmetry.clone(), ..system.frame.clone() };
+        let fine = Collocation::new(frame, &finer);
+        let mut x = Collocation::unknowns(&finer);
+        let border = Border { row: vec![0.0; x.len()], lambda: 1.0 };
+        let factors = fine.factor(&x, lambda, &border).ok()?;
+        let mut right = vec![0.0; x.len() + 1];
+        fine.residual(&x, lambda, &mut right[..finer.nodes.len() - finer.dim + 1]);
+        factors.solve(&mut right);
+        counts.factorisations += 1;
+        counts.residuals += 1;
+        counts.newton += 1;
+        x.iter_mut().zip(&right).for_each(|(x, d)| *x -= d);
+        let p = fine.parameters(lambda);
+        Some(measure(&*problem, &self.prepared.observables, &fine.orbit(&x), &symmetry, &p))
+    }
+
+    /// Points between two accepted ones where the parameter, the period or an observable's extreme is as wanted.
+    fn user_values(
+        &mut self,
+        system: &Collocation,
+        from: &Point,
+        to: &Point,
+        counts: &mut Counts,
+    ) -> Result<(), Failure> {
+        let mut found: Vec<(f64, Point, OrbitFactors)> = Vec::new();
+        for (name, wanted) in &self.task.along.values {
+            let column = self.branch.column(name).unwrap_or(0);
+            for &goal in wanted {
+                let value = |point: &Point| match column {
+                    0 => point.lambda - goal,
+                    k => {
+                        let orbit = system.orbit(&point.x);
+                        self.measure(&orbit, &system.frame.symmetry, &system.parameters(point.lambda))[k - 1] - goal
+                    }
+                };
+                let (a, b) = (value(from), value(to));
+                if a * b < 0.0 || b == 0.0 {
+                    let lambda = match column {
+                        0 => goal,
+                        _ => crossing(system, (from, to), &value, counts)?.lambda,
+                    };
+                    let corrected = at_lambda(system, (from, to), lambda, counts)?;
+                    found.push((a / (a - b), corrected.point, corrected.factors));
+                }
+            }
+        }
+        found.sort_by(|x, y| x.0.total_cmp(&y.0));
+        for (_, point, factors) in found {
+            self.push(system, &point, &factors, Some(Kind::UZ), counts);
+        }
+        Ok(())
+    }
+}
+
+fn measure(problem: &dyn Problem, observables: &[usize], orbit: &Orbit, symmetry: &Reflection, p: &[f64]) -> Vec<f64> {
+    let mut values = vec![orbit.period(), 1.0 / orbit.period()];
+    for &i in observables {
+        let extremes = orbit.extremes(problem, i, p, symmetry);
+        values.extend([extremes.max, extremes.min]);
+    }
+    values
+}

@@ -1,0 +1,356 @@
+//! A task of kind `equilibria`: the branch, user values, folds, eigenvalue branches, Hopf points, their errors.
+
+use super::outcome::{Outcome, Status, labels};
+use super::study::Prepared;
+use super::wave;
+use super::watch::{Watch, interrupted};
+use crate::bifurcation::{Equilibria, Hopf, HopfNormalForm, Mark, Sample, Spectra, leading};
+use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
+use crate::continuation::{Border, Counts, Failure, Point, StepControl, Stop, Walk, at_lambda, correct, crossing};
+use crate::linalg::c64;
+use crate::problem::{At, Problem};
+use crate::scene;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::time::Instant;
+
+/// Runs the task; numerical trouble ends up in the outcome's status and reason.
+pub fn run(prepared: &Prepared, name: &str, task: &scene::Equilibria, watch: &Watch) -> Outcome {
+    let start = Instant::now();
+    let along = &task.along;
+    let branch = Branch {
+        name: name.to_owned(),
+        kind: BranchKind::Equilibria,
+        free: vec![along.free.clone()],
+        columns: Vec::new(),
+        rows: Vec::new(),
+        points: Vec::new(),
+    };
+    let mut counts = Counts::default();
+    let mut outcome = match follow(prepared, branch.clone(), task, watch, &mut counts) {
+        Ok(outcome) => outcome,
+        Err(failure) => Outcome::failed(branch, failure.to_string()),
+    };
+    outcome.seconds = start.elapsed().as_secs_f64();
+    outcome.counts = counts;
+    outcome
+}
+
+fn follow(
+    prepared: &Prepared,
+    mut branch: Branch,
+    task: &scene::Equilibria,
+    watch: &Watch,
+    counts: &mut Counts,
+) -> Result<Outcome, Failure> {
+    let along = &task.along;
+    let mut system = system(prepared, &along.range);
+    let (points, stop) = walk(prepared, &mut system, along, watch, counts)?;
+    let mut samples: Vec<Sample> = points.into_iter().map(|point| Sample::new(point, None)).collect();
+    if let Some(last) = samples.last_mut() {
+        last.mark = Some(if matches!(stop, Stop::Stagnation { .. }) { Mark::Stuck } else { Mark::End });
+    }
+    if let Some(first) = samples.first_mut() {
+        first.mark = Some(Mark::End);
+    }
+    user_values(&system, &along.values, &mut samples, counts)?;
+    if task.detect.iter().any(|kind| kind == "LP") {
+        folds(&system, &mut samples, counts)?;
+    }
+    let hopf = task.detect.iter().any(|kind| kind == "HB");
+    // Detection alone needs the eigenvalues that may cross, not columns for them.
+    let wanted = if hopf { task.spectrum.max(4) } else { task.spectrum };
+    let spectra = if wanted > 0 {
+        let tool = Spectra::new(&system, wanted, &mut samples, counts)?;
+        tool.follow(&mut samples, counts)?;
+        if hopf {
+            tool.hopf_points(&mut samples, counts)?;
+        }
+        Some(tool)
+    } else {
+        None
+    };
+    rows(prepared, &system, task, &samples, &mut branch);
+    for (row, sample) in samples.iter().enumerate() {
+        let Some(mark) = &sample.mark else { continue };
+        let kind = kind(mark);
+        let (short, label) = labels(&branch, kind);
+        let mut point = special(prepared, &system, sample, spectra.as_ref());
+        (point.label, point.kind, point.row) = (label, kind, row);
+        if prepared.waves.contains(&short) {
+            wave::of_mode(prepared, &mut point);
+        }
+        if along.errors {
+            let neighbours = (samples.get(row.wrapping_sub(1)), samples.get(row + 1));
+            estimate(prepared, &system, sample, neighbours, spectra.as_ref(), &mut point);
+        }
+        branch.rows[row].label = Some(short);
+        branch.points.push(point);
+    }
+    let status = match stop {
+        Stop::Interrupted => Status::Interrupted,
+        Stop::Stagnation { .. } => Status::Failed,
+        Stop::RangeEnd | Stop::Closed | Stop::MaxPoints => Status::Done,
+    };
+    Ok(Outcome { branch, status, reason: stop.to_string(), seconds: 0.0, counts: *counts })
+}
+
+fn system(prepared: &Prepared, range: &scene::Range) -> Equilibria {
+    Equilibria {
+        problem: prepared.problem.clone(),
+        p: prepared.p.clone(),
+        free: prepared.free,
+        scale_state: 1.0,
+        scale_lambda: (range.to - range.from).abs(),
+    }
+}
+
+/// The branch from one end of the range, with its step control alone.
+fn walk(
+    prepared: &Prepared,
+    system: &mut Equilibria,
+    along: &scene::Along,
+    watch: &Watch,
+    counts: &mut Counts,
+) -> Result<(Vec<Point>, Stop), Failure> {
+    let (from, to) = (along.range.from, along.range.to);
+    let u = prepared.problem.start(&system.parameters(from));
+    let rms = (u.iter().map(|u| u * u).sum::<f64>() / u.len() as f64).sqrt();
+    if rms > 0.0 {
+        system.scale_state = rms;
+    }
+    let border = Border { row: vec![0.0; u.len()], lambda: 1.0 };
+    let first = correct(&*system, (u, from), &border, counts)?.point;
+    let most = along.max_step.map_or(0.02, |step| step / (to - from).abs());
+    let control = StepControl { step: 0.25 * most, least: 1e-9 * most, most };
+    let mut points = vec![first.clone()];
+    let mut walk = Walk::new(system, first, control, (from.min(to), from.max(to)));
+    let stop = loop {
+        if interrupted() {
+            break Stop::Interrupted;
+        }
+        if points.len() >= along.max_points {
+            break Stop::MaxPoints;
+        }
+        match walk.step() {
+            Ok(step) => {
+                let lambda = step.to.lambda;
+                watch.at((lambda - from) / (to - from), format!("{} = {lambda:.6}", along.free));
+                points.push(step.to);
+                if let Some(stop) = step.stop {
+                    break stop;
+                }
+            }
+            Err(stop) => break stop,
+        }
+    };
+    *counts += walk.counts;
+    Ok((points, stop))
+}
+
+/// Points where the free parameter or an observable takes a wanted value.
+fn user_values(
+    system: &Equilibria,
+    values: &BTreeMap<String, Vec<f64>>,
+    samples: &mut Vec<Sample>,
+    counts: &mut Counts,
+) -> Result<(), Failure> {
+    for (name, wanted) in values {
+        let observable = system.problem.observables().iter().position(|o| o.name == name);
+        for &goal in wanted {
+            let value = |point: &Point| match observable {
+                None => point.lambda - goal,
+                Some(i) => observe(system, point, i) - goal,
+            };
+            let mut i = 0;
+            while i < samples.len() {
+                if value(&samples[i].point) == 0.0 {
+                    samples[i].mark = Some(Mark::User);
+                } else if i > 0 && value(&samples[i - 1].point) * value(&samples[i].point) < 0.0 {
+                    let ends = (&samples[i - 1].point, &samples[i].point);
+                    let point = match observable {
+                        None => at_lambda(system, ends, goal, counts)?.point,
+                        Some(_) => crossing(system, ends, &value, counts)?,
+                    };
+                    samples.insert(i, Sample::new(point, Some(Mark::User)));
+                    i += 1;
+                }
+                i += 1;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Folds: the tangent's parameter component changes sign.
+fn folds(system: &Equilibria, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
+    let mut i = 1;
+    while i < samples.len() {
+        let (a, b) = (&samples[i - 1].point, &samples[i].point);
+        if a.tangent_lambda * b.tangent_lambda < 0.0 {
+            let fold = crossing(system, (a, b), &|point: &Point| point.tangent_lambda, counts)?;
+            samples.insert(i, Sample::new(fold, Some(Mark::Fold)));
+            i += 1;
+        }
+        i += 1;
+    }
+    Ok(())
+}
+
+/// The name under which a mark is stored.
+fn kind(mark: &Mark) -> Kind {
+    match mark {
+        Mark::End => Kind::EP,
+        Mark::Stuck => Kind::MX,
+        Mark::User => Kind::UZ,
+        Mark::Fold => Kind::LP,
+        Mark::Hopf(_) => Kind::HB,
+        Mark::Exceptional(_) => Kind::XP,
+    }
+}
+
+fn observe(system: &Equilibria, point: &Point, i: usize) -> f64 {
+    let rest = vec![0.0; point.x.len()];
+    let p = system.parameters(point.lambda);
+    system.problem.observe(i, At { u: &point.x, v: &rest, p: &p })
+}
+
+fn rows(prepared: &Prepared, system: &Equilibria, task: &scene::Equilibria, samples: &[Sample], branch: &mut Branch) {
+    let column = |name: &str, unit: &str| Column { name: name.to_owned(), unit: unit.to_owned() };
+    let observables = prepared.problem.observables();
+    branch.columns.push(column(&prepared.free_name, &prepared.free_unit));
+    for &i in &prepared.observables {
+        branch.columns.push(column(observables[i].name, observables[i].unit));
+    }
+    let shown = if task.spectrum > 0 { leading(samples, task.spectrum) } else { Vec::new() };
+    let (rate, turn) = rates(prepared.problem.time_unit());
+    for k in 1..=shown.len() {
+        branch.columns.push(column(&format!("re_{k}"), &rate));
+        branch.columns.push(column(&format!("im_{k}"), &turn));
+    }
+    for sample in samples {
+        let mut values = vec![Some(sample.point.lambda)];
+        values.extend(prepared.observables.iter().map(|&i| Some(observe(system, &sample.point, i))));
+        for &k in &shown {
+            values.extend([Some(sample.followed[k].re), Some(sample.followed[k].im)]);
+        }
+        let on_axis = matches!(sample.mark, Some(Mark::Hopf(_)));
+        let stable = sample.values.first().filter(|_| !on_axis).map(|sigma| sigma.re < 0.0);
+        branch.rows.push(Row { label: None, stable, values });
+    }
+}
+
+/// Units of growth rates and angular frequencies.
+fn rates(time: &str) -> (String, String) {
+    if time.is_empty() { (String::new(), "rad".to_owned()) } else { (format!("1/{time}"), format!("rad/{time}")) }
+}
+
+fn special(prepared: &Prepared, system: &Equilibria, sample: &Sample, spectra: Option<&Spectra>) -> SpecialPoint {
+    let p = prepared.problem.resolve(&system.parameters(sample.point.lambda));
+    let parameters = prepared.problem.parameters().iter().zip(&p).map(|(q, &x)| (q.name.to_owned(), x)).collect();
+    let mut values = measure(prepared, system, &sample.point, sample.values.first().copied());
+    let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
+    let mut arrays = BTreeMap::from([
+        ("state".to_owned(), vector(sample.point.x.clone())),
+        ("parameters".to_owned(), vector(p)),
+        ("tangent".to_owned(), vector(sample.point.tangent.clone())),
+    ]);
+    let mode = match &sample.mark {
+        Some(Mark::Hopf(found)) => {
+            values.extend(of_hopf(&found.0, &found.1));
+            arrays.insert("w_re".to_owned(), vector(found.0.w.iter().map(|z| z.re).collect()));
+            arrays.insert("w_im".to_owned(), vector(found.0.w.iter().map(|z| z.im).collect()));
+            Some(found.0.q.clone())
+        }
+        _ => spectra.and_then(|tool| tool.mode(&sample.point)),
+    };
+    if let Some(q) = mode {
+        arrays.insert("q_re".to_owned(), vector(q.iter().map(|z| z.re).collect()));
+        arrays.insert("q_im".to_owned(), vector(q.iter().map(|z| z.im).collect()));
+    }
+    let (label, errors) = (String::new(), BTreeMap::new());
+    SpecialPoint { label, kind: Kind::UZ, row: 0, parameters, values, errors, arrays }
+}
+
+/// Observables, and growth and frequency of the leading eigenvalue.
+fn measure(prepared: &Prepared, system: &Equilibria, point: &Point, leading: Option<c64>) -> BTreeMap<String, f64> {
+    let list = system.problem.observables();
+    let mut values: BTreeMap<String, f64> =
+        prepared.observables.iter().map(|&i| (list[i].name.to_owned(), observe(system, point, i))).collect();
+    if let Some(sigma) = leading {
+        values.insert("growth".to_owned(), sigma.re);
+        values.insert("omega".to_owned(), sigma.im.abs());
+        values.insert("frequency".to_owned(), sigma.im.abs() / (2.0 * PI));
+    }
+    values
+}
+
+fn of_hopf(hopf: &Hopf, form: &HopfNormalForm) -> BTreeMap<String, f64> {
+    [
+        ("growth", 0.0),
+        ("omega", hopf.omega),
+        ("frequency", hopf.omega / (2.0 * PI)),
+        ("lyapunov", form.l1),
+        ("dsigma_re", hopf.slope.re),
+        ("dsigma_im", hopf.slope.im),
+    ]
+    .into_iter()
+    .map(|(name, value)| (name.to_owned(), value))
+    .collect()
+}
+
+/// Errors: the same point on the refined discretisation; the difference is taken for the error of the present one.
+fn estimate(
+    prepared: &Prepared,
+    system: &Equilibria,
+    sample: &Sample,
+    neighbours: (Option<&Sample>, Option<&Sample>),
+    spectra: Option<&Spectra>,
+    point: &mut SpecialPoint,
+) {
+    let Some(refined) = prepared.problem.refined() else { return };
+    let fine = Equilibria { problem: refined.problem.clone(), ..system.clone() };
+    let settle = |point: &Point| -> Option<Point> {
+        let u = (refined.prolong)(&point.x);
+        let border = Border { row: vec![0.0; u.len()], lambda: 1.0 };
+        correct(&fine, (u, point.lambda), &border, &mut Counts::default()).ok().map(|c| c.point)
+    };
+    let (lambda, values) = match &sample.mark {
+        Some(Mark::Hopf(found)) => {
+            let hopf = &found.0;
+            let part = |f: fn(&c64) -> f64| (refined.prolong)(&hopf.q.iter().map(f).collect::<Vec<_>>());
+            let q: Vec<c64> = part(|z| z.re).iter().zip(part(|z| z.im)).map(|(&re, im)| c64::new(re, im)).collect();
+            let start = ((refined.prolong)(&hopf.u), hopf.p.clone());
+            let problem = &*refined.problem;
+            let located = Hopf::locate(problem, (&start.0, &start.1), system.free, hopf.omega, &q);
+            let Ok(located) = located else { return };
+            let Ok(form) = HopfNormalForm::new(problem, &located) else { return };
+            (Some(located.p[system.free]), of_hopf(&located, &form))
+        }
+        Some(Mark::Exceptional(mean)) => {
+            let ends = (neighbours.0.and_then(|s| settle(&s.point)), neighbours.1.and_then(|s| settle(&s.point)));
+            let ((Some(a), Some(b)), Some(tool)) = (ends, spectra) else { return };
+            let mut counts = Counts::default();
+            let Ok(theta) = tool.coalescence(&fine, (&a, &b), *mean, &mut counts) else { return };
+            (Some(a.lambda + theta * (b.lambda - a.lambda)), BTreeMap::new())
+        }
+        _ => {
+            let Some(settled) = settle(&sample.point) else { return };
+            let leading = spectra.and_then(|tool| tool.leading(&fine, &settled));
+            (None, measure(prepared, &fine, &settled, leading))
+        }
+    };
+    if let Some(lambda) = lambda {
+        point.errors.insert(prepared.free_name.clone(), error(sample.point.lambda, lambda));
+    }
+    for (name, &value) in &point.values {
+        if let Some(&fine) = values.get(name).filter(|fine| **fine != 0.0 || value != 0.0) {
+            point.errors.insert(name.clone(), error(value, fine));
+        }
+    }
+}
+
+/// The difference, but not less than rounding.
+pub fn error(value: f64, fine: f64) -> f64 {
+    (value - fine).abs().max(4.0 * f64::EPSILON * value.abs())
+}

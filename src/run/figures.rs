@@ -1,0 +1,88 @@
+//! Figures: from the scene's words to what `plot` draws, now or again from stored data.
+
+use super::summary::Summary;
+use super::{RunError, place};
+use crate::branch::{Branch, read_arrays, read_branch, write_atomically};
+use crate::plot::{Spec, SpecKind, draw};
+use crate::scene::{Figure, Scene, SceneError, TaskKind};
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
+/// What only the model and the tasks can tell about a scene's figures.
+pub fn check(scene: &Scene) -> Result<(), SceneError> {
+    for figure in scene.figures.iter().filter(|figure| figure.kind == "eigenvalues") {
+        for task in scene.tasks.iter().filter(|task| figure.tasks.contains(&task.name)) {
+            let spectrum = match &task.kind {
+                TaskKind::Equilibria(equilibria) => equilibria.spectrum,
+                TaskKind::Cycles(_) => 0,
+            };
+            if spectrum == 0 {
+                let message = format!("figure {:?} shows its eigenvalues; add spectrum = 8 to this task", figure.name);
+                return Err(scene.refuse(&place(task, "spectrum"), message));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The figures whose data there are.
+pub fn specs(scene: &Scene, branches: &[Branch]) -> Vec<Spec> {
+    scene.figures.iter().filter_map(|figure| spec(figure, branches)).collect()
+}
+
+fn spec(figure: &Figure, branches: &[Branch]) -> Option<Spec> {
+    let there = |name: &String| branches.iter().any(|b| &b.name == name && !b.rows.is_empty());
+    let tasks: Vec<String> = figure.tasks.iter().filter(|name| there(name)).cloned().collect();
+    let free = || branches.iter().find(|b| tasks.contains(&b.name)).and_then(|b| b.free.first().cloned());
+    let kind = match figure.kind.as_str() {
+        "waveform" => {
+            let point = figure.point.clone()?;
+            let found = branches.iter().flat_map(|b| &b.points).find(|p| p.label == point)?;
+            found.arrays.get("wave_x")?;
+            SpecKind::Waveform { point, unit: "µm".to_owned() }
+        }
+        _ if tasks.is_empty() => return None,
+        "eigenvalues" => SpecKind::Eigenvalues { x: figure.x.clone().or_else(free)?, tasks },
+        _ => SpecKind::Diagram { x: figure.x.clone().or_else(free)?, y: figure.y.clone(), tasks },
+    };
+    Some(Spec { name: figure.name.clone(), title: figure.title.clone().unwrap_or_default(), kind })
+}
+
+/// Draws the figures of a finished run again from its files; returns their names.
+pub fn redraw(folder: &Path) -> Result<Vec<String>, RunError> {
+    let path = folder.join("summary.json");
+    let text = std::fs::read(&path).map_err(|e| {
+        RunError::Input(format!("cannot read {}: {e}; give the folder of a finished run, such as output/SCENE", path.display()))
+    })?;
+    let summary: Summary = serde_json::from_slice(&text)
+        .map_err(|e| RunError::Input(format!("{} is not the summary of a run: {e}", path.display())))?;
+    let mut branches = Vec::new();
+    for line in &summary.branches {
+        let mut branch = read_branch(&folder.join(&line.file), &line.name, line.kind, &line.free)?;
+        for point in summary.points.iter().filter(|p| p.label.starts_with(&format!("{}/", line.name))) {
+            let arrays = read_arrays(&folder.join("points").join(format!("{}.npz", point.label)))?;
+            let short = point.label.rsplit('/').next().map(str::to_owned);
+            let row = branch.rows.iter().position(|row| row.label == short).unwrap_or(0);
+            branch.points.push(crate::branch::SpecialPoint {
+                label: point.label.clone(),
+                kind: point.kind,
+                row,
+                parameters: BTreeMap::new(),
+                values: point.values.clone(),
+                errors: BTreeMap::new(),
+                arrays,
+            });
+        }
+        branches.push(branch);
+    }
+    let mut drawn = Vec::new();
+    for spec in &summary.figures {
+        let svg = draw(spec, &branches)?;
+        write_atomically(&folder.join("figures").join(format!("{}.svg", spec.name)), |file| {
+            file.write_all(svg.as_bytes())
+        })?;
+        drawn.push(spec.name.clone());
+    }
+    Ok(drawn)
+}

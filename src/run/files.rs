@@ -1,0 +1,66 @@
+//! The folder of a run: `output/SCENE/` with branches, points, figures, summary and log.
+
+use super::summary::Summary;
+use crate::branch::{Branch, StoreError, write_atomically, write_branch, write_point};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+pub struct Folder {
+    root: PathBuf,
+}
+
+impl Folder {
+    /// Makes sure that the folder can be written before anything is computed.
+    pub fn open(out: &Path, scene: &str) -> Result<Self, StoreError> {
+        let folder = Self { root: out.join(scene) };
+        folder.write_log("")?;
+        Ok(folder)
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.root.join(name)
+    }
+
+    /// Removes what an earlier run left of these tasks, and its summary.
+    pub fn clear<'a>(&self, tasks: impl Iterator<Item = &'a str>) -> Result<(), StoreError> {
+        remove(&self.path("summary.json"));
+        for task in tasks {
+            remove(&self.path("branches").join(format!("{task}.csv")));
+            remove(&self.path("resume").join(format!("{task}.json")));
+            if let Ok(entries) = std::fs::read_dir(self.path("points").join(task)) {
+                entries.flatten().filter(|e| e.path().extension().is_some_and(|x| x == "npz")).for_each(|e| remove(&e.path()));
+            }
+        }
+        Ok(())
+    }
+
+    pub fn write_branch(&self, branch: &Branch) -> Result<(), StoreError> {
+        if branch.rows.is_empty() {
+            return Ok(());
+        }
+        write_branch(&self.path("branches").join(format!("{}.csv", branch.name)), branch)?;
+        for point in &branch.points {
+            write_point(&self.path("points").join(format!("{}.npz", point.label)), point)?;
+        }
+        Ok(())
+    }
+
+    pub fn write_figure(&self, name: &str, svg: &str) -> Result<(), StoreError> {
+        write_atomically(&self.path("figures").join(format!("{name}.svg")), |file| file.write_all(svg.as_bytes()))
+    }
+
+    pub fn write_summary(&self, summary: &Summary) -> Result<(), StoreError> {
+        write_atomically(&self.path("summary.json"), |file| {
+            serde_json::to_writer_pretty(file, summary).map_err(std::io::Error::from)
+        })
+    }
+
+    pub fn write_log(&self, log: &str) -> Result<(), StoreError> {
+        write_atomically(&self.path("run.log"), |file| file.write_all(log.as_bytes()))
+    }
+}
+
+/// A file that is not there is as good as removed; one that cannot be removed will be overwritten or fail there.
+fn remove(path: &Path) {
+    let _ = std::fs::remove_file(path);
+}

@@ -1,0 +1,176 @@
+//! From a scene to files: the only place that knows all the others.
+
+mod cycles;
+mod describe;
+mod equilibria;
+mod figures;
+mod files;
+mod outcome;
+mod plan;
+mod resume;
+mod study;
+mod summary;
+mod template;
+mod watch;
+mod wave;
+
+pub use describe::{models, one_model};
+pub use figures::redraw;
+pub use plan::plan;
+pub use summary::{Expected, Summary};
+pub use template::template;
+pub use watch::INTERRUPTED;
+
+use crate::branch::{Branch, StoreError};
+use crate::plot::PlotError;
+use crate::scene::{Fault, Label, Place, Scene, SceneError, Task, TaskKind};
+use files::Folder;
+use outcome::{Outcome, Status};
+use resume::Keeper;
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+use std::time::Instant;
+use study::{Prepared, Study};
+use thiserror::Error;
+use watch::Watch;
+
+/// What the command line adds to a scene.
+#[derive(Clone, Debug)]
+pub struct RunOptions {
+    pub out: PathBuf,
+    /// Tasks to run, with those that they start from; empty: all.
+    pub only: Vec<String>,
+    pub resume: bool,
+    pub quiet: bool,
+}
+
+/// Why a run could not be done at all. That a task failed is part of the summary instead.
+#[derive(Debug, Error)]
+pub enum RunError {
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+    #[error("{0}")]
+    Input(String),
+}
+
+/// A scene that was checked against its model, ready to run.
+struct Ready<'a> {
+    scene: &'a Scene,
+    study: Study,
+    /// Tasks to run, in order.
+    tasks: Vec<(&'a Task, Prepared)>,
+}
+
+fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
+    let study = Study::new(scene)?;
+    let names: Vec<&str> = scene.tasks.iter().map(|task| task.name.as_str()).collect();
+    for name in only {
+        if !names.contains(&name.as_str()) {
+            let fault = Fault::unknown("task", name, names.iter().copied());
+            return Err(RunError::Input(format!("--only: {fault}")));
+        }
+    }
+    // A task brings along those that it starts from; they come before it.
+    let mut wanted: BTreeSet<&str> = if only.is_empty() { names.iter().copied().collect() } else { BTreeSet::new() };
+    wanted.extend(only.iter().map(String::as_str));
+    for task in scene.tasks.iter().rev() {
+        if let (TaskKind::Cycles(cycles), true) = (&task.kind, wanted.contains(task.name.as_str())) {
+            wanted.extend(cycles.from.split('/').next());
+        }
+    }
+    let mut tasks = Vec::new();
+    for task in &scene.tasks {
+        let prepared = study.prepare(scene, task)?;
+        if let TaskKind::Cycles(cycles) = &task.kind {
+            check_start(scene, cycles)?;
+        }
+        if wanted.contains(task.name.as_str()) {
+            tasks.push((task, prepared));
+        }
+    }
+    figures::check(scene)?;
+    Ok(Ready { scene, study, tasks })
+}
+
+/// Cycles start at a Hopf point of a branch of equilibria.
+fn check_start(scene: &Scene, cycles: &crate::scene::Cycles) -> Result<(), SceneError> {
+    let source = Label::parse(&cycles.from).and_then(|label| {
+        let task = scene.tasks.iter().find(|task| task.name == label.task)?;
+        Some((label.kind == "HB", matches!(task.kind, TaskKind::Equilibria(_))))
+    });
+    match source {
+        Some((true, true)) => Ok(()),
+        _ => Err(scene.refuse(
+            &cycles.from_at,
+            format!("cycles start at a Hopf point of a task of kind \"equilibria\", such as \"TASK/HB1\", not at {:?}", cycles.from),
+        )),
+    }
+}
+
+/// Runs a scene and writes everything; the summary says whether all went well.
+pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
+    let start = Instant::now();
+    let ready = ready(scene, &options.only)?;
+    let folder = Folder::open(&options.out, &scene.name)?;
+    let watch = Watch::new(options.quiet);
+    let keeper = Keeper::new(folder.path("resume"), format!("{scene:?}"), options.resume);
+    if !options.resume {
+        folder.clear(ready.tasks.iter().map(|(task, _)| task.name.as_str()))?;
+    }
+    let mut outcomes: Vec<Outcome> = Vec::new();
+    for (task, prepared) in &ready.tasks {
+        watch.task(&task.name);
+        let outcome = match keeper.finished(&task.name) {
+            Some(outcome) => outcome,
+            None => perform(task, prepared, &outcomes, &keeper, &watch),
+        };
+        if outcome.status == Status::Done {
+            keeper.finish(&task.name, &outcome);
+        }
+        watch.say(format!("{}: {:?}, {}", task.name, outcome.status, outcome.reason));
+        folder.write_branch(&outcome.branch)?;
+        let interrupted = outcome.status == Status::Interrupted;
+        outcomes.push(outcome);
+        if interrupted {
+            break;
+        }
+    }
+    let branches: Vec<Branch> = outcomes.iter().map(|outcome| outcome.branch.clone()).collect();
+    let specs = figures::specs(scene, &branches);
+    for spec in &specs {
+        match crate::plot::draw(spec, &branches) {
+            Ok(svg) => folder.write_figure(&spec.name, &svg)?,
+            Err(error) => watch.say(format!("figure {}: {error}", spec.name)),
+        }
+    }
+    let summary = Summary::new(scene, &outcomes, specs, start.elapsed().as_secs_f64());
+    folder.write_summary(&summary)?;
+    folder.write_log(&watch.finish())?;
+    Ok(summary)
+}
+
+fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper, watch: &Watch) -> Outcome {
+    match &task.kind {
+        TaskKind::Equilibria(equilibria) => equilibria::run(prepared, &task.name, equilibria, watch),
+        TaskKind::Cycles(cycles) => {
+            let points = before.iter().flat_map(|outcome| &outcome.branch.points);
+            match points.clone().find(|point| point.label == cycles.from) {
+                Some(from) => cycles::run(prepared, &task.name, cycles, from, keeper, watch),
+                None => {
+                    let found: Vec<&str> = points.map(|point| point.label.as_str()).collect();
+                    let reason = format!("there is no {}; found were: {}", cycles.from, found.join(", "));
+                    Outcome::failed(cycles::empty(prepared, &task.name, cycles), reason)
+                }
+            }
+        }
+    }
+}
+
+/// The place of a key of a task, for messages.
+fn place(task: &Task, key: &str) -> Place {
+    task.kind.along().places.get(key).cloned().unwrap_or_else(|| task.at.clone())
+}

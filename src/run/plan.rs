@@ -1,0 +1,61 @@
+//! `hopfline check`: what would be computed, what is left out, and why.
+
+use super::{RunError, ready};
+use crate::scene::{Scene, TaskKind};
+use std::fmt::Write;
+
+/// The plan of a scene, for people.
+pub fn plan(scene: &Scene) -> Result<String, RunError> {
+    let ready = ready(scene, &[])?;
+    let mut out = String::new();
+    let _ = writeln!(out, "{}: {}", ready.scene.path.display(), ready.scene.title);
+    let _ = writeln!(out, "model {} with {} unknowns", scene.model.name, ready.study.dim());
+    let parameters = ready.study.parameters();
+    for (name, value, unit, tie) in &parameters {
+        let tie = tie.as_ref().map_or(String::new(), |tie| format!("  = {tie}"));
+        let free = ready.tasks.iter().any(|(_, prepared)| &prepared.free_name == name);
+        let note = if free { "  (free)" } else { "" };
+        let _ = writeln!(out, "  {name:6} {value:12} {unit}{tie}{note}");
+    }
+    let zero: Vec<&str> = parameters.iter().filter(|(_, x, ..)| *x == 0.0).map(|(name, ..)| name.as_str()).collect();
+    if !zero.is_empty() {
+        let _ = writeln!(out, "  terms left out, their coefficient being zero: {}", zero.join(", "));
+    }
+    for (task, prepared) in &ready.tasks {
+        let along = task.kind.along();
+        let (from, to) = (along.range.from, along.range.to);
+        let _ = writeln!(out, "task {}: {} in {} from {from} to {to}", task.name, task.kind.name(), along.free);
+        let yes_no = |flag: bool, what: String, why: &str| {
+            if flag { format!("  computed: {what}\n") } else { format!("  left out: {what} ({why})\n") }
+        };
+        match &task.kind {
+            TaskKind::Equilibria(e) => {
+                let detect = e.detect.iter().any(|kind| kind == "HB");
+                let count = if detect { e.spectrum.max(4) } else { e.spectrum };
+                out += &yes_no(count > 0, format!("{count} leading eigenvalues at every point"), "no spectrum, no detect");
+                out += &yes_no(detect, "Hopf points with their normal form".into(), "detect has no HB");
+                out += &yes_no(e.detect.iter().any(|k| k == "LP"), "folds".into(), "detect has no LP");
+            }
+            TaskKind::Cycles(c) => {
+                let points = if c.gauss { "Gauss" } else { "Radau" };
+                let _ = writeln!(out, "  computed: cycles from {}, {} intervals of degree {} ({points} points)", c.from, c.intervals, c.degree);
+                let half = c.symmetry && crate::problem::Problem::reflection(&*prepared.problem).is_some();
+                out += &yes_no(!half, "the second half of each period".into(), "symmetry gives it");
+                let multipliers = c.multipliers > 0;
+                out += &yes_no(multipliers, "Floquet multipliers and stability".into(), "multipliers are not asked for");
+            }
+        }
+        let list = ready.study.observables();
+        let wanted: Vec<&str> = prepared.observables.iter().map(|&i| list[i].name).collect();
+        let others: Vec<&str> = list.iter().map(|o| o.name).filter(|name| !wanted.contains(name)).collect();
+        out += &yes_no(!wanted.is_empty(), format!("observables {}", wanted.join(", ")), "none is used");
+        if !others.is_empty() {
+            let _ = writeln!(out, "  left out: observables {} (no column, figure or expectation uses them)", others.join(", "));
+        }
+        out += &yes_no(along.errors, "error estimates on a refined discretisation".into(), "errors = false");
+    }
+    for figure in &scene.figures {
+        let _ = writeln!(out, "figure {}: {}", figure.name, figure.kind);
+    }
+    Ok(out)
+}

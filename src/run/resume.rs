@@ -1,0 +1,103 @@
+//! What is kept while a run goes on, so that `--resume` completes it to the same numbers.
+//!
+//! One file per task in `resume/`: the outcome of a finished task, or the state of the walk after its last point. Each
+//! is written whole or not at all, so that a kill at any moment leaves the one before.
+
+use super::outcome::Outcome;
+use crate::branch::{Branch, write_atomically};
+use crate::continuation::{Counts, WalkState};
+use crate::orbit::Orbit;
+use serde::{Deserialize, Serialize};
+use std::cell::Cell;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// A branch of cycles in the middle.
+#[derive(Serialize, Deserialize)]
+pub struct Checkpoint {
+    pub branch: Branch,
+    pub orbit: Orbit,
+    pub walk: WalkState,
+    pub counts: Counts,
+    pub seconds: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+enum State {
+    Midway(Box<Checkpoint>),
+    Finished(Box<Outcome>),
+}
+
+#[derive(Serialize, Deserialize)]
+struct Kept {
+    /// The resolved scene: a state is good only for the scene that it came from.
+    scene: String,
+    state: State,
+}
+
+/// Keeps states no more often than this; a kill loses no more work.
+const INTERVAL: Duration = Duration::from_millis(500);
+
+/// Reads and writes the states of one run.
+pub struct Keeper {
+    folder: PathBuf,
+    scene: String,
+    resuming: bool,
+    last: Cell<Option<Instant>>,
+}
+
+impl Keeper {
+    pub fn new(folder: PathBuf, scene: String, resuming: bool) -> Self {
+        Self { folder, scene, resuming, last: Cell::new(None) }
+    }
+
+    fn path(&self, task: &str) -> PathBuf {
+        self.folder.join(format!("{task}.json"))
+    }
+
+    fn read(&self, task: &str) -> Option<State> {
+        if !self.resuming {
+            return None;
+        }
+        let text = std::fs::read(self.path(task)).ok()?;
+        let kept: Kept = serde_json::from_slice(&text).ok()?;
+        (kept.scene == self.scene).then_some(kept.state)
+    }
+
+    /// The outcome of a task that was finished before.
+    pub fn finished(&self, task: &str) -> Option<Outcome> {
+        match self.read(task)? {
+            State::Finished(outcome) => Some(*outcome),
+            State::Midway(_) => None,
+        }
+    }
+
+    /// The state of a task that was left in the middle.
+    pub fn load(&self, task: &str) -> Option<Checkpoint> {
+        match self.read(task)? {
+            State::Midway(checkpoint) => Some(*checkpoint),
+            State::Finished(_) => None,
+        }
+    }
+
+    /// Keeps a state, if the last one is old enough or the task stops here. Failure to write is no reason to stop: the
+    /// run itself goes on.
+    pub fn keep(&self, task: &str, stopping: bool, checkpoint: impl FnOnce() -> Checkpoint) {
+        if !stopping && self.last.get().is_some_and(|last| last.elapsed() < INTERVAL) {
+            return;
+        }
+        self.write(task, State::Midway(Box::new(checkpoint())));
+        self.last.set(Some(Instant::now()));
+    }
+
+    pub fn finish(&self, task: &str, outcome: &Outcome) {
+        self.write(task, State::Finished(Box::new(outcome.clone())));
+    }
+
+    fn write(&self, task: &str, state: State) {
+        let kept = Kept { scene: self.scene.clone(), state };
+        let _ = write_atomically(&self.path(task), |file| {
+            serde_json::to_writer(file, &kept).map_err(std::io::Error::from)
+        });
+    }
+}

@@ -1,0 +1,188 @@
+//! `summary.json`, and the table that a run prints.
+
+use super::outcome::{Outcome, Status};
+use crate::branch::{BranchKind, Kind};
+use crate::continuation::Counts;
+use crate::plot::Spec;
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+pub struct Summary {
+    pub scene: String,
+    pub title: String,
+    pub version: String,
+    pub seconds: f64,
+    pub tasks: Vec<TaskLine>,
+    pub points: Vec<PointLine>,
+    pub branches: Vec<BranchLine>,
+    pub figures: Vec<Spec>,
+    pub expect: Vec<Expected>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+pub struct TaskLine {
+    pub name: String,
+    pub kind: BranchKind,
+    pub status: Status,
+    pub reason: String,
+    pub seconds: f64,
+    pub points: usize,
+    pub counts: Counts,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+pub struct PointLine {
+    pub label: String,
+    pub kind: Kind,
+    pub parameters: BTreeMap<String, f64>,
+    pub values: BTreeMap<String, f64>,
+    pub errors: BTreeMap<String, f64>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+pub struct BranchLine {
+    pub name: String,
+    pub kind: BranchKind,
+    pub file: String,
+    pub rows: usize,
+    pub free: Vec<String>,
+    pub columns: Vec<String>,
+}
+
+/// An expectation and whether it was met; `value` is None where the point or quantity was not found.
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+pub struct Expected {
+    pub key: String,
+    pub value: Option<f64>,
+    pub expected: f64,
+    pub tolerance: f64,
+    pub met: bool,
+}
+
+impl Summary {
+    pub fn new(scene: &Scene, outcomes: &[Outcome], figures: Vec<Spec>, seconds: f64) -> Self {
+        let task = |outcome: &Outcome| TaskLine {
+            name: outcome.branch.name.clone(),
+            kind: outcome.branch.kind,
+            status: outcome.status,
+            reason: outcome.reason.clone(),
+            seconds: outcome.seconds,
+            points: outcome.branch.rows.len(),
+            counts: outcome.counts,
+        };
+        let branch = |outcome: &Outcome| BranchLine {
+            name: outcome.branch.name.clone(),
+            kind: outcome.branch.kind,
+            file: format!("branches/{}.csv", outcome.branch.name),
+            rows: outcome.branch.rows.len(),
+            free: outcome.branch.free.clone(),
+            columns: outcome.branch.columns.iter().map(|c| c.name.clone()).collect(),
+        };
+        let points: Vec<PointLine> = outcomes
+            .iter()
+            .flat_map(|outcome| &outcome.branch.points)
+            .map(|point| PointLine {
+                label: point.label.clone(),
+                kind: point.kind,
+                parameters: point.parameters.clone(),
+                values: point.values.clone(),
+                errors: point.errors.clone(),
+            })
+            .collect();
+        let ran = |label: &str| outcomes.iter().any(|o| label.starts_with(&format!("{}/", o.branch.name)));
+        // Expectations hold for the scene as written.
+        let checked = scene.expect.iter().filter(|e| !scene.overridden && ran(&e.label));
+        let expect = checked
+            .map(|e| {
+                let point = points.iter().find(|p| p.label == e.label);
+                let value = point.and_then(|p| p.parameters.get(&e.quantity).or(p.values.get(&e.quantity)).copied());
+                let scale = if e.value == 0.0 { 1.0 } else { e.value.abs() };
+                let met = value.is_some_and(|v| (v - e.value).abs() <= e.tolerance * scale);
+                let key = format!("{}.{}", e.label, e.quantity);
+                Expected { key, value, expected: e.value, tolerance: e.tolerance, met }
+            })
+            .collect();
+        Self {
+            scene: scene.name.clone(),
+            title: scene.title.clone(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            seconds,
+            tasks: outcomes.iter().map(task).collect(),
+            points,
+            branches: outcomes.iter().filter(|o| !o.branch.rows.is_empty()).map(branch).collect(),
+            figures,
+            expect,
+        }
+    }
+
+    /// Whether every task was done and every expectation met.
+    pub fn success(&self) -> bool {
+        self.tasks.iter().all(|task| task.status == Status::Done) && self.expect.iter().all(|e| e.met)
+    }
+
+    /// What the run found, for people.
+    pub fn table(&self, folder: &str) -> String {
+        let mut out = String::new();
+        let _ = writeln!(out, "{}", if self.title.is_empty() { &self.scene } else { &self.title });
+        for task in &self.tasks {
+            let status = match task.status {
+                Status::Done => "done",
+                Status::Interrupted => "interrupted",
+                Status::Failed => "FAILED",
+            };
+            let counts = task.counts;
+            let _ = writeln!(
+                out,
+                "\n{}: {status} ({}), {} points, {:.2} s, {} factorisations, {} spectra",
+                task.name, task.reason, task.points, task.seconds, counts.factorisations, counts.spectra
+            );
+            let free = self.branches.iter().find(|b| b.name == task.name).and_then(|b| b.free.first().cloned());
+            for point in self.points.iter().filter(|p| p.label.starts_with(&format!("{}/", task.name))) {
+                self.point_lines(&mut out, point, free.as_deref().unwrap_or(""));
+            }
+        }
+        if !self.expect.is_empty() {
+            let _ = writeln!(out, "\nexpected numbers");
+        }
+        for e in &self.expect {
+            let verdict = if e.met { "met" } else { "MISSED" };
+            let found = e.value.map_or("not found".to_owned(), |v| format!("{v}"));
+            let _ = writeln!(out, "  {verdict:7} {:32} {found} (expected {} to {:.0e})", e.key, e.expected, e.tolerance);
+        }
+        let _ = writeln!(out, "\n{:.2} s; data and figures in {folder}", self.seconds);
+        out
+    }
+
+    fn point_lines(&self, out: &mut String, point: &PointLine, free: &str) {
+        let lambda = point.parameters.get(free).copied().unwrap_or(f64::NAN);
+        let _ = write!(out, "  {:16} {free} = {}", point.label, with_error(lambda, point.errors.get(free)));
+        for (name, value) in &point.values {
+            if name.starts_with("mu_") || name == "growth" && point.kind == Kind::HB {
+                continue;
+            }
+            let _ = write!(out, ", {name} = {}", with_error(*value, point.errors.get(name)));
+        }
+        if let Some(l1) = point.values.get("lyapunov") {
+            let _ = write!(out, ": {}", if *l1 < 0.0 { "supercritical" } else { "subcritical" });
+        }
+        out.push('\n');
+    }
+}
+
+/// "338.88948540 ± 3e-8": as many digits as the error leaves.
+fn with_error(value: f64, error: Option<&f64>) -> String {
+    match error {
+        Some(&error) if error > 0.0 && error.is_finite() => {
+            let decimals = (1.0 - error.log10().floor()).clamp(0.0, 15.0) as usize;
+            if value != 0.0 && value.abs() < 1e-4 {
+                return format!("{value:.6e} ± {error:.0e}");
+            }
+            format!("{value:.decimals$} ± {error:.0e}")
+        }
+        _ if value != 0.0 && (value.abs() < 1e-4 || value.abs() >= 1e7) => format!("{value:.6e}"),
+        _ => format!("{value:.6}").trim_end_matches('0').trim_end_matches('.').to_owned(),
+    }
+}
