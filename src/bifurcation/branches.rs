@@ -29,8 +29,9 @@ enum Entity {
     Pair(c64),
 }
 
-/// Real eigenvalues and pairs with their positions in the list (for a pair the upper member's, then the lower's).
-fn entities(values: &[c64]) -> Vec<(Entity, usize, usize)> {
+/// Real eigenvalues and pairs with their positions in the list (for a pair the upper member's, then the lower's). Pairs
+/// closer to the axis than `blur` count as two real ones.
+fn entities(values: &[c64], blur: f64) -> Vec<(Entity, usize, usize)> {
     let mut used = vec![false; values.len()];
     let mut found = Vec::new();
     for i in 0..values.len() {
@@ -38,7 +39,7 @@ fn entities(values: &[c64]) -> Vec<(Entity, usize, usize)> {
             continue;
         }
         used[i] = true;
-        let partner = (0..values.len()).filter(|&j| !used[j] && values[i].im != 0.0).min_by(|&j, &k| {
+        let partner = (0..values.len()).filter(|&j| !used[j] && values[i].im.abs() > blur).min_by(|&j, &k| {
             let distance = |j: usize| (values[j] - values[i].conj()).norm();
             distance(j).total_cmp(&distance(k))
         });
@@ -55,16 +56,17 @@ fn entities(values: &[c64]) -> Vec<(Entity, usize, usize)> {
 }
 
 /// Orders `next` (rightmost first) after the branches `last`, expected near `guess`. Only branches that are or come
-/// among the `wanted` rightmost matter: what happens further left may stay open. `force` settles doubts by distance.
-pub fn follow(last: &[c64], guess: &[c64], next: &[c64], wanted: usize, force: bool) -> Result<Followed, Ambiguous> {
+/// among the `wanted` rightmost matter: what happens further left may stay open. Eigenvalues closer than `blur` need
+/// not be told apart (near an accumulation point of the spectrum they cannot be). For doubts, see [`settle`].
+pub fn follow(last: &[c64], guess: &[c64], next: &[c64], wanted: usize, blur: f64) -> Result<Followed, Ambiguous> {
     let mut sorted: Vec<f64> = last.iter().map(|z| z.re).collect();
     sorted.sort_by(|a, b| b.total_cmp(a));
     let edge = sorted.get(wanted.saturating_sub(1)).copied().unwrap_or(f64::NEG_INFINITY);
-    let (old, new) = (entities(last), entities(next));
+    let (old, new) = (entities(last, blur), entities(next, blur));
     let place = |(entity, upper, _): &(Entity, usize, usize)| match entity {
         // A guess of the wrong type (just after a coalescence) is not used.
-        Entity::Real(x) if guess[*upper].im == 0.0 => Entity::Real(guess[*upper].re + 0.0 * x),
-        Entity::Pair(_) if guess[*upper].im > 0.0 => Entity::Pair(guess[*upper]),
+        Entity::Real(_) if guess[*upper].im.abs() <= blur => Entity::Real(guess[*upper].re),
+        Entity::Pair(_) if guess[*upper].im > blur => Entity::Pair(guess[*upper]),
         entity => *entity,
     };
     let expected: Vec<Entity> = old.iter().map(place).collect();
@@ -88,8 +90,8 @@ pub fn follow(last: &[c64], guess: &[c64], next: &[c64], wanted: usize, force: b
             continue;
         }
         let rival = candidates.iter().filter(|c| (c.1 == i) != (c.2 == j)).map(|c| c.0).fold(f64::INFINITY, f64::min);
-        let negligible = d <= 1e-7 * size(expected[i]);
-        if d <= DISTINCT * rival || negligible || force {
+        let negligible = d <= blur.max(1e-7 * size(expected[i]));
+        if d <= DISTINCT * rival || negligible {
             to[i] = Some(j);
             from[j] = Some(i);
         }
@@ -132,11 +134,25 @@ pub fn follow(last: &[c64], guess: &[c64], next: &[c64], wanted: usize, force: b
     // Branches beyond the wanted ones may get lost; they then stand still, to be found again or not.
     let lost = values.iter().zip(last).any(|(v, old)| v.is_none() && old.re >= edge);
     let unexplained = from.iter().zip(&new).any(|(taken, (_, upper, _))| taken.is_none() && *upper < wanted);
-    if !force && (lost || unexplained) {
+    if lost || unexplained {
         return Err(Ambiguous);
     }
     let values = values.iter().zip(last).map(|(v, old)| v.unwrap_or(*old)).collect();
     Ok(Followed { values, coalesced })
+}
+
+/// The same where doubts cannot be resolved by looking closer: nearest eigenvalues first, one by one.
+pub fn settle(guess: &[c64], next: &[c64]) -> Vec<c64> {
+    let all = (0..guess.len()).flat_map(|i| (0..next.len()).map(move |j| (i, j)));
+    let mut candidates: Vec<(f64, usize, usize)> = all.map(|(i, j)| ((guess[i] - next[j]).norm(), i, j)).collect();
+    candidates.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut values, mut taken) = (vec![None; guess.len()], vec![false; next.len()]);
+    for (_, i, j) in candidates {
+        if values[i].is_none() && !taken[j] {
+            (values[i], taken[j]) = (Some(next[j]), true);
+        }
+    }
+    values.iter().zip(guess).map(|(v, old)| v.unwrap_or(*old)).collect()
 }
 
 fn size(entity: Entity) -> f64 {
@@ -158,10 +174,10 @@ mod tests {
     fn two_real_ones_meet_and_split() {
         let last = [z(-1.0, 0.0), z(-1.4, 0.0), z(-9.0, 0.0)];
         let next = [z(-1.25, 0.2), z(-1.25, -0.2), z(-9.1, 0.0)];
-        let to = follow(&last, &last, &next, 3, false).unwrap();
+        let to = follow(&last, &last, &next, 3, 0.0).unwrap();
         assert_eq!(to.values, next);
         assert_eq!(to.coalesced, [(0, 1)]);
-        let back = follow(&to.values, &to.values, &last, 3, false).unwrap();
+        let back = follow(&to.values, &to.values, &last, 3, 0.0).unwrap();
         assert_eq!(back.values, last);
     }
 
@@ -169,12 +185,12 @@ mod tests {
     fn crossing_branches_keep_their_direction() {
         let (last, guess) = ([z(-1.0, 0.0), z(-1.1, 0.0)], [z(-1.2, 0.0), z(-1.0, 0.0)]);
         let next = [z(-1.01, 0.0), z(-1.19, 0.0)];
-        assert_eq!(follow(&last, &guess, &next, 2, false).unwrap().values, [z(-1.19, 0.0), z(-1.01, 0.0)]);
+        assert_eq!(follow(&last, &guess, &next, 2, 0.0).unwrap().values, [z(-1.19, 0.0), z(-1.01, 0.0)]);
     }
 
     #[test]
     fn doubt_is_said() {
         let (last, next) = ([z(-1.0, 0.0), z(-1.1, 0.0)], [z(-1.05, 0.0), z(-1.4, 0.0)]);
-        assert_eq!(follow(&last, &last, &next, 2, false).unwrap_err(), Ambiguous);
+        assert_eq!(follow(&last, &last, &next, 2, 0.0).unwrap_err(), Ambiguous);
     }
 }

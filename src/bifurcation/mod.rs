@@ -6,7 +6,7 @@ mod hopf;
 mod normal_form;
 mod spectra;
 
-pub use branches::{Ambiguous, Followed, follow};
+pub use branches::{Ambiguous, Followed, follow, settle};
 pub use equilibria::Equilibria;
 pub use hopf::{Hopf, HopfError};
 pub use normal_form::HopfNormalForm;

@@ -1,6 +1,6 @@
 //! Eigenvalues along a branch of equilibria: followed through exceptional points, watched for Hopf points.
 
-use super::{Equilibria, Hopf, HopfNormalForm, follow};
+use super::{Equilibria, Followed, Hopf, HopfNormalForm, follow, settle};
 use crate::continuation::{Counts, Failure, Point, at_fraction, at_lambda};
 use crate::linalg::c64;
 use rayon::prelude::*;
@@ -44,6 +44,13 @@ pub struct Spectra<'a> {
 
 /// Halvings of a step before eigenvalues that cannot be told apart are settled by distance alone.
 const MOST_HALVINGS: usize = 12;
+/// Eigenvalues closer than this part of the visible height need not be told apart.
+const BLUR: f64 = 0.002;
+/// Corners larger than this part of the spectrum's visible height are smoothed, by so many rounds of halving.
+const CORNER: f64 = 0.004;
+const MOST_REFINEMENTS: usize = 3;
+/// Pairs that stay closer than this part of the spectrum's visible height over a whole step are not looked at.
+const VISIBLE: f64 = 0.01;
 /// Where the curves of real and imaginary parts bend like a square root, points stand at these fractions of the gap.
 const GRADES: [f64; 4] = [1.0 / 256.0, 1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0];
 
@@ -102,24 +109,77 @@ impl<'a> Spectra<'a> {
         while i < samples.len() {
             let guess = extrapolate(samples, i);
             let last = &samples[i - 1].followed;
-            match follow(last, &guess, &samples[i].values, self.wanted, halvings >= MOST_HALVINGS) {
+            let values = &samples[i].values;
+            let height = |count: usize| values[0].re - values.get(count).map_or(values[0].re, |z| z.re);
+            let found = match follow(last, &guess, values, self.wanted, BLUR * height(self.wanted)) {
+                Err(_) if halvings >= MOST_HALVINGS => {
+                    Ok(Followed { values: settle(&guess, values), coalesced: Vec::new() })
+                }
+                found => found,
+            };
+            match found {
                 Err(_) => {
                     self.insert(samples, i, 0.5, counts)?;
                     halvings += 1;
                 }
                 Ok(found) => {
-                    let located = [&samples[i - 1], &samples[i]].iter().any(|s| matches!(s.mark, Some(Mark::Exceptional(_))));
-                    let edge = samples[i].values.get(self.wanted).map_or(f64::NEG_INFINITY, |z| z.re);
+                    let near = [&samples[i - 1], &samples[i]];
+                    let located = near.iter().any(|s| matches!(s.mark, Some(Mark::Exceptional(_))));
+                    let edge = values[0].re - height(2 * self.wanted);
                     let visible = found.coalesced.iter().find(|(j, _)| found.values[*j].re >= edge);
+                    let mut added = 0;
                     if let Some(&(j, k)) = visible.filter(|_| !located) {
                         let mean = 0.5 * (found.values[j].re + found.values[k].re);
-                        self.exceptional(samples, i, mean, counts)?;
-                    } else {
+                        let width = (found.values[j] - found.values[k]).norm().max((last[j] - last[k]).norm());
+                        if width > VISIBLE * height(self.wanted) {
+                            added = self.exceptional(samples, i, mean, counts)?;
+                        }
+                    }
+                    if added == 0 {
                         samples[i].followed = found.values;
                         i += 1;
                     }
                     halvings = 0;
                 }
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds samples where a polyline through the followed branches would show corners.
+    pub fn smooth(&self, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
+        for _ in 0..MOST_REFINEMENTS {
+            let shown = leading(samples, self.wanted);
+            let real = |k: usize| samples.iter().map(move |s| s.followed[k].re);
+            let top = shown.iter().flat_map(|&k| real(k)).fold(f64::NEG_INFINITY, f64::max);
+            let bottom = samples.iter().filter_map(|s| s.values.get(self.wanted - 1)).map(|z| z.re).fold(top, f64::min);
+            let bent: Vec<usize> = (1..samples.len())
+                .filter(|&i| {
+                    let miss = |j: usize, k: usize| corner(&samples[j - 1], &samples[j], &samples[j + 1], k);
+                    let inner = [i - 1, i].into_iter().filter(|j| (1..samples.len() - 1).contains(j));
+                    let worst = inner.flat_map(|j| shown.iter().map(move |&k| miss(j, k))).fold(0.0, f64::max);
+                    worst > CORNER * (top - bottom)
+                })
+                .collect();
+            let added: Result<Vec<Sample>, Failure> = bent
+                .par_iter()
+                .map(|&i| {
+                    let mut counts = Counts::default();
+                    let (a, b) = (&samples[i - 1], &samples[i]);
+                    let point = at_fraction(self.system, (&a.point, &b.point), 0.5, &mut counts)?.point;
+                    let mut sample = Sample::new(point, None);
+                    sample.values = self.at(&sample.point, &mut counts)?;
+                    sample.followed = settle(&middle(a, b), &sample.values);
+                    Ok(sample)
+                })
+                .collect();
+            let added = added?;
+            if added.is_empty() {
+                break;
+            }
+            counts.spectra += added.len();
+            for (&i, sample) in bent.iter().zip(added).rev() {
+                samples.insert(i, sample);
             }
         }
         Ok(())
@@ -135,30 +195,45 @@ impl<'a> Spectra<'a> {
         Ok(())
     }
 
-    /// Inserts the exceptional point between samples i - 1 and i, and points that draw near to it.
-    fn exceptional(&self, samples: &mut Vec<Sample>, i: usize, mean: f64, counts: &mut Counts) -> Result<(), Failure> {
+    /// Inserts the exceptional point between samples i - 1 and i, and points that draw near to it; how many.
+    fn exceptional(
+        &self,
+        samples: &mut Vec<Sample>,
+        i: usize,
+        mean: f64,
+        counts: &mut Counts,
+    ) -> Result<usize, Failure> {
         let (a, b) = (samples[i - 1].point.clone(), samples[i].point.clone());
-        let theta = self.coalescence(self.system, (&a, &b), mean, counts)?;
+        let Some(theta) = self.coalescence(self.system, (&a, &b), mean, counts)? else { return Ok(0) };
         let left = GRADES.iter().rev().map(|g| (theta * (1.0 - g), false));
         let right = GRADES.iter().map(|g| (theta + (1.0 - theta) * g, false));
-        for (k, (at, exact)) in left.chain([(theta, true)]).chain(right).enumerate() {
+        let lambda = a.lambda + theta * (b.lambda - a.lambda);
+        let known = |s: &Sample| {
+            let near = (s.point.lambda - lambda).abs() <= 1e-6 * (b.lambda - a.lambda).abs();
+            near && matches!(s.mark, Some(Mark::Exceptional(_)))
+        };
+        if samples.iter().any(known) {
+            return Ok(0);
+        }
+        let places: Vec<(f64, bool)> = left.chain([(theta, true)]).chain(right).collect();
+        for (k, &(at, exact)) in places.iter().enumerate() {
             let point = at_fraction(self.system, (&a, &b), at, counts)?.point;
             let mut sample = Sample::new(point, exact.then_some(Mark::Exceptional(mean)));
             sample.values = self.at(&sample.point, counts)?;
             samples.insert(i + k, sample);
         }
-        Ok(())
+        Ok(places.len())
     }
 
     /// The fraction of the step from a to b at which the pair nearest to `mean` coalesces: the root of its
-    /// discriminant `((s1 - s2)/2)²`, which is smooth there.
+    /// discriminant `((s1 - s2)/2)²`, which is smooth there. None if it has the same sign at both ends.
     pub fn coalescence(
         &self,
         system: &Equilibria,
         (a, b): (&Point, &Point),
         mean: f64,
         counts: &mut Counts,
-    ) -> Result<f64, Failure> {
+    ) -> Result<Option<f64>, Failure> {
         let mut centre = mean;
         let mut discriminant = |theta: f64, counts: &mut Counts| -> Result<f64, Failure> {
             let point = at_fraction(system, (a, b), theta, counts)?.point;
@@ -182,14 +257,14 @@ impl<'a> Spectra<'a> {
         };
         let (mut low, mut high) = ((0.0_f64, discriminant(0.0, counts)?), (1.0_f64, discriminant(1.0, counts)?));
         if low.1 * high.1 > 0.0 {
-            return Ok(0.5);
+            return Ok(None);
         }
         let scale = low.1.abs().max(high.1.abs());
         for _ in 0..30 {
             let theta = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
             let here = discriminant(theta, counts)?;
-            if here.abs() < 1e-13 * scale || (high.0 - low.0).abs() < 1e-13 {
-                return Ok(theta);
+            if here.abs() < 1e-12 * scale || (high.0 - low.0).abs() < 1e-12 {
+                return Ok(Some(theta));
             }
             if here * high.1 < 0.0 {
                 low = high;
@@ -198,7 +273,7 @@ impl<'a> Spectra<'a> {
             }
             high = (theta, here);
         }
-        Ok(high.0)
+        Ok(Some(high.0))
     }
 
     /// Inserts every Hopf point: a followed pair whose real part changes sign between two samples, solved for on its
@@ -222,9 +297,7 @@ impl<'a> Spectra<'a> {
             }
             // Their eigenvalues in order, between neighbours that already are.
             for j in i..i + count {
-                let (last, next) = (samples[j - 1].followed.clone(), samples[i + count].followed.clone());
-                let values = samples[j].values.clone();
-                samples[j].followed = follow(&last, &next, &values, self.wanted, true).map_or(last, |found| found.values);
+                samples[j].followed = settle(&middle(&samples[j - 1], &samples[i + count]), &samples[j].values);
             }
             i += count + 1;
         }
@@ -258,6 +331,18 @@ impl<'a> Spectra<'a> {
         sample.values = self.at(&sample.point, counts).ok()?;
         Some(sample)
     }
+}
+
+/// Branches half-way between two samples.
+fn middle(a: &Sample, b: &Sample) -> Vec<c64> {
+    a.followed.iter().zip(&b.followed).map(|(x, y)| 0.5 * (x + y)).collect()
+}
+
+/// How far the middle of three samples lies off the straight line between its neighbours, in branch k.
+fn corner(a: &Sample, b: &Sample, c: &Sample, k: usize) -> f64 {
+    let (left, right) = ((b.point.lambda - a.point.lambda).abs(), (c.point.lambda - b.point.lambda).abs());
+    let (x, y, z) = (a.followed[k], b.followed[k], c.followed[k]);
+    if left + right == 0.0 { 0.0 } else { (y - (x * right + z * left) / (left + right)).norm() }
 }
 
 /// Branches by linear extrapolation from the last two samples; the last values where a pair was just born or died.

@@ -25,8 +25,12 @@ pub fn pencil(a: MatRef<'_, f64>, m: MatRef<'_, f64>, shift: f64, vectors: usize
     if !b.is_all_finite() {
         return Err(Singular);
     }
-    let eigen = b.eigen().map_err(|_| Singular)?;
-    let (values, columns) = (eigen.S(), eigen.U());
+    let (values, columns) = if vectors == 0 {
+        (b.eigenvalues().map_err(|_| Singular)?, None)
+    } else {
+        let eigen = b.eigen().map_err(|_| Singular)?;
+        ((0..n).map(|j| eigen.S()[j]).collect(), Some(eigen.U().to_owned()))
+    };
     // Below this, 1/mu is the rounding error of B: an infinite eigenvalue.
     let floor = b.norm_max() * f64::EPSILON * 10.0;
     let mut found: Vec<(c64, usize)> = (0..n)
@@ -41,13 +45,10 @@ pub fn pencil(a: MatRef<'_, f64>, m: MatRef<'_, f64>, shift: f64, vectors: usize
         .into_iter()
         .enumerate()
         .map(|(rank, (value, j))| {
-            let vector = if rank < vectors {
-                let raw: Vec<c64> = (0..n).map(|i| columns[(i, j)] * scale[i]).collect();
-                let norm = raw.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
-                raw.into_iter().map(|z| z / norm).collect()
-            } else {
-                Vec::new()
-            };
+            let raw = |columns: &Mat<c64>| (0..n).map(|i| columns[(i, j)] * scale[i]).collect::<Vec<c64>>();
+            let mut vector = columns.as_ref().filter(|_| rank < vectors).map_or(Vec::new(), raw);
+            let norm = vector.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
+            vector.iter_mut().for_each(|z| *z /= norm);
             Eigenpair { value, vector }
         })
         .collect())

@@ -12,7 +12,7 @@ use super::{Multipliers, Orbit, Points, Scheme, adapted, multipliers};
 use crate::continuation::{Border, Factored, Point, System};
 use crate::linalg::{Lu, Singular};
 use crate::problem::{At, Direction, Problem, Reflection};
-use faer::Mat;
+use faer::{Mat, MatRef};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -280,6 +280,11 @@ impl OrbitFactors {
     /// Floquet multipliers over the whole period.
     pub fn multipliers(&self) -> Result<Multipliers, Singular> {
         multipliers(self.condensed.transition(), &self.symmetry, self.parts)
+    }
+
+    /// The condensed rows `[C D E]` that multipliers come from.
+    pub fn transition(&self) -> MatRef<'_, f64> {
+        self.condensed.transition()
     }
 }
 

@@ -9,7 +9,7 @@ mod shape;
 mod start;
 
 pub use collocation::{Collocation, Frame, OrbitFactors};
-pub use condensation::Condensed;
+pub use condensation::{Condensed, Elimination};
 pub use floquet::{Multipliers, multipliers};
 pub use mesh::adapted;
 pub use scheme::{Points, Scheme};

@@ -98,7 +98,8 @@ fn symbols(panel: &Panel, series: &[Series]) -> Vec<Symbol> {
     let mut symbols = Vec::new();
     let mut labelled = BTreeSet::new();
     for one in series {
-        for mark in marker::marks(one.branch) {
+        // Exceptional points belong to the eigenvalues' figure; here they would only crowd the line.
+        for mark in marker::marks(one.branch).into_iter().filter(|mark| mark.kind != Kind::XP) {
             let Some((x, y)) = one.point(mark.row) else {
                 continue;
             };

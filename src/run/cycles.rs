@@ -12,9 +12,11 @@ use crate::continuation::{
     Border, Counts, Factored, Failure, Point, StepControl, Stop, System, Walk, at_lambda, correct, crossing, inner,
 };
 use crate::linalg::c64;
-use crate::orbit::{Collocation, Frame, Multipliers, Orbit, OrbitFactors, Points, from_hopf, half_period};
+use crate::orbit::{Collocation, Frame, Orbit, OrbitFactors, Points, from_hopf, half_period, multipliers};
 use crate::problem::{Problem, Reflection};
 use crate::scene;
+use faer::Mat;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Instant;
@@ -37,7 +39,7 @@ enum CyclesError {
 /// Radius of the first cycle and step sizes, in parts of the range: amplitudes go as the square root of it.
 const FIRST_RADIUS: f64 = 0.02;
 const FIRST_STEP: f64 = 0.02;
-const LARGEST_STEP: f64 = 0.04;
+const LARGEST_STEP: f64 = 0.05;
 const LEAST_STEP: f64 = 1e-7;
 
 /// A branch of cycles in the making.
@@ -45,7 +47,24 @@ struct Cycles<'a> {
     prepared: &'a Prepared,
     task: &'a scene::Cycles,
     branch: Branch,
+    /// Accepted points that are not rows yet: rows are made side by side, several at a time.
+    pending: Vec<Pending>,
 }
+
+/// An accepted point with what its row is made from.
+struct Pending {
+    lambda: f64,
+    tangent_lambda: f64,
+    orbit: Orbit,
+    tangent: Orbit,
+    frame: Frame,
+    /// The condensed rows that multipliers come from, where they are asked for.
+    transition: Option<Mat<f64>>,
+    kind: Option<Kind>,
+}
+
+/// Rows made at once.
+const BATCH: usize = 8;
 
 /// Runs the task from a Hopf point; goes on from a checkpoint if there is one.
 pub fn run(
@@ -60,7 +79,7 @@ pub fn run(
     let kept = keeper.load(name);
     let before = kept.as_ref().map_or(0.0, |kept| kept.seconds);
     let mut counts = kept.as_ref().map_or_else(Counts::default, |kept| kept.counts);
-    let mut cycles = Cycles { prepared, task, branch: empty(prepared, name, task) };
+    let mut cycles = Cycles { prepared, task, branch: empty(prepared, name, task), pending: Vec::new() };
     let result = cycles.follow(from, kept, keeper, watch, &mut counts, (start, before));
     let (status, reason) = match result {
         Ok(Stop::Interrupted) => (Status::Interrupted, Stop::Interrupted.to_string()),
@@ -145,7 +164,10 @@ impl Cycles<'_> {
         let mut walk = Walk::resume(&mut system, state, (low, high));
         loop {
             let stopping = interrupted();
-            keeper.keep(&self.branch.name, stopping, || Checkpoint {
+            if self.pending.len() >= BATCH || stopping {
+                self.make_rows(counts);
+            }
+            keeper.keep(&self.branch.name.clone(), stopping, || Checkpoint {
                 branch: self.branch.clone(),
                 orbit: walk.system.orbit(&walk.state.point.x),
                 walk: walk.state.clone(),
@@ -155,30 +177,32 @@ impl Cycles<'_> {
             if stopping {
                 return Ok(Stop::Interrupted);
             }
-            if self.branch.rows.len() >= along.max_points {
+            if self.branch.rows.len() + self.pending.len() >= along.max_points {
+                self.make_rows(counts);
                 return Ok(Stop::MaxPoints);
             }
             let before_step = walk.counts;
             let step = match walk.step() {
                 Ok(step) => step,
                 Err(stop) => {
-                    if let (Some(row), Stop::Stagnation { .. }) = (self.branch.rows.len().checked_sub(1), &stop) {
-                        let point = walk.state.point.clone();
-                        self.name_row(&*walk.system, &point, row, Kind::MX);
+                    if let Some(last) = self.pending.last_mut() {
+                        last.kind = last.kind.or(Some(Kind::MX));
                     }
+                    self.make_rows(counts);
                     return Ok(stop);
                 }
             };
             let lambda = step.to.lambda;
             self.user_values(&*walk.system, &step.from, &step.to, counts)?;
             let kind = step.stop.as_ref().filter(|stop| **stop == Stop::RangeEnd).map(|_| Kind::EP);
-            self.push(&*walk.system, &step.to, &step.factors, kind, counts);
+            self.push(&*walk.system, &step.to, &step.factors, kind);
             counts.newton += walk.counts.newton - before_step.newton;
             counts.residuals += walk.counts.residuals - before_step.residuals;
             counts.factorisations += walk.counts.factorisations - before_step.factorisations;
             let goal = if form.p2 > 0.0 { high } else { low };
             watch.at((lambda - onset) / (goal - onset), format!("{} = {lambda:.6}", along.free));
             if let Some(stop) = step.stop {
+                self.make_rows(counts);
                 return Ok(stop);
             }
         }
@@ -250,7 +274,7 @@ impl Cycles<'_> {
         row.extend(values.into_iter().map(Some));
         row.resize(self.branch.columns.len(), None);
         self.branch.rows.push(Row { label: None, stable: None, values: row });
-        self.push(&system, &first.point, &first.factors, None, counts);
+        self.push(&system, &first.point, &first.factors, None);
 
         let most = self.task.along.max_step.map_or(LARGEST_STEP, |step| step / span);
         let control = StepControl { step: FIRST_STEP.min(most), least: LEAST_STEP, most };
@@ -264,47 +288,71 @@ impl Cycles<'_> {
         measure(&*self.prepared.problem, &self.prepared.observables, orbit, symmetry, p)
     }
 
-    /// Appends a row, and a special point if it has a kind.
-    fn push(
-        &mut self,
-        system: &Collocation,
-        point: &Point,
-        factors: &OrbitFactors,
-        kind: Option<Kind>,
-        counts: &mut Counts,
-    ) {
-        let orbit = system.orbit(&point.x);
-        let p = system.parameters(point.lambda);
-        let measured = self.measure(&orbit, &system.frame.symmetry, &p);
-        let mut values: Vec<Option<f64>> = vec![Some(point.lambda)];
-        values.extend(measured.iter().copied().map(Some));
-        let multipliers = if self.task.multipliers > 0 { factors.multipliers().ok() } else { None };
-        if self.task.multipliers > 0 {
-            let shown = self.task.multipliers.min(orbit.dim - 1);
-            for k in 0..shown {
-                let mu = multipliers.as_ref().and_then(|m| m.values.get(k));
-                values.extend([mu.map(|mu| mu.re), mu.map(|mu| mu.im)]);
-            }
-            values.push(multipliers.as_ref().map(|m| m.trivial_error));
-        }
+    /// Notes an accepted point; rows are made later.
+    fn push(&mut self, system: &Collocation, point: &Point, factors: &OrbitFactors, kind: Option<Kind>) {
+        self.pending.push(Pending {
+            lambda: point.lambda,
+            tangent_lambda: point.tangent_lambda,
+            orbit: system.orbit(&point.x),
+            tangent: system.orbit(&point.tangent),
+            frame: system.frame.clone(),
+            transition: (self.task.multipliers > 0).then(|| factors.transition().to_owned()),
+            kind,
+        });
+    }
+
+    /// Turns what is pending into rows and special points.
+    fn make_rows(&mut self, counts: &mut Counts) {
+        let pending = std::mem::take(&mut self.pending);
+        let rows: Vec<Row> = pending.par_iter().map(|point| self.row(point)).collect();
         if self.task.along.errors {
-            let fine = self.refined(system, &orbit, point.lambda, counts);
-            let errors = measured.iter().enumerate().map(|(k, &value)| fine.as_ref().map(|fine| error(value, fine[k])));
-            values.extend(errors);
+            counts.factorisations += rows.len();
+            counts.residuals += rows.len();
+            counts.newton += rows.len();
         }
-        let stable = multipliers.as_ref().map(|m: &Multipliers| m.unstable() == 0);
-        self.branch.rows.push(Row { label: None, stable, values });
-        if let Some(kind) = kind {
-            self.name_row(system, point, self.branch.rows.len() - 1, kind);
+        for (point, row) in pending.iter().zip(rows) {
+            // The Hopf point itself is as stable as the first cycle.
+            if let [onset] = &mut self.branch.rows[..] {
+                onset.stable = row.stable;
+            }
+            self.branch.rows.push(row);
+            if let Some(kind) = point.kind {
+                self.name_last_row(point, kind);
+            }
         }
     }
 
-    /// Makes a row a special point.
-    fn name_row(&mut self, system: &Collocation, point: &Point, row: usize, kind: Kind) {
-        let orbit = system.orbit(&point.x);
-        let p = system.parameters(point.lambda);
+    fn row(&self, point: &Pending) -> Row {
+        let Pending { lambda, orbit, frame, .. } = point;
+        let mut p = frame.p.clone();
+        p[frame.free] = *lambda;
+        let measured = self.measure(orbit, &frame.symmetry, &p);
+        let mut values: Vec<Option<f64>> = vec![Some(*lambda)];
+        values.extend(measured.iter().copied().map(Some));
+        let found = point.transition.as_ref();
+        let found = found.and_then(|rows| multipliers(rows.as_ref(), &frame.symmetry, frame.parts).ok());
+        if self.task.multipliers > 0 {
+            for k in 0..self.task.multipliers.min(orbit.dim - 1) {
+                let mu = found.as_ref().and_then(|m| m.values.get(k));
+                values.extend([mu.map(|mu| mu.re), mu.map(|mu| mu.im)]);
+            }
+            values.push(found.as_ref().map(|m| m.trivial_error));
+        }
+        if self.task.along.errors {
+            let fine = self.refined(frame, orbit, *lambda);
+            let errors = measured.iter().enumerate().map(|(k, &value)| fine.as_ref().map(|fine| error(value, fine[k])));
+            values.extend(errors);
+        }
+        Row { label: None, stable: found.map(|m| m.unstable() == 0), values }
+    }
+
+    /// Makes the last row a special point.
+    fn name_last_row(&mut self, point: &Pending, kind: Kind) {
+        let Pending { orbit, tangent, frame, .. } = point;
+        let mut p = frame.p.clone();
+        p[frame.free] = point.lambda;
         let resolved = self.prepared.problem.resolve(&p);
-        let list = self.prepared.problem.parameters();
+        let row = self.branch.rows.len() - 1;
         let (mut values, mut errors) = (BTreeMap::new(), BTreeMap::new());
         for (column, value) in self.branch.columns.iter().zip(&self.branch.rows[row].values).skip(1) {
             let Some(value) = *value else { continue };
@@ -314,11 +362,10 @@ impl Cycles<'_> {
             };
         }
         let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
-        let nodes = orbit.nodes.len() / orbit.dim;
-        let tangent = system.orbit(&point.tangent);
+        let nodes = |orbit: &Orbit| Array { shape: vec![orbit.nodes.len() / orbit.dim, orbit.dim], data: orbit.nodes.clone() };
         let arrays = BTreeMap::from([
-            ("state".to_owned(), Array { shape: vec![nodes, orbit.dim], data: orbit.nodes.clone() }),
-            ("tangent".to_owned(), Array { shape: vec![nodes, orbit.dim], data: tangent.nodes }),
+            ("state".to_owned(), nodes(orbit)),
+            ("tangent".to_owned(), nodes(tangent)),
             ("tangent_part_lambda".to_owned(), vector(vec![tangent.part, point.tangent_lambda])),
             ("mesh".to_owned(), vector(orbit.mesh.clone())),
             ("degree_parts".to_owned(), vector(vec![orbit.degree as f64, orbit.parts as f64])),
@@ -326,10 +373,11 @@ impl Cycles<'_> {
             ("parameters".to_owned(), vector(resolved.clone())),
         ]);
         let (short, label) = labels(&self.branch, kind);
+        let list = self.prepared.problem.parameters();
         let parameters = list.iter().zip(&resolved).map(|(q, &x)| (q.name.to_owned(), x)).collect();
         let mut special = SpecialPoint { label, kind, row, parameters, values, errors, arrays };
         if self.prepared.waves.contains(&short) {
-            wave::of_orbit(self.prepared, &orbit, &system.frame.symmetry, &p, &mut special);
+            wave::of_orbit(self.prepared, orbit, &frame.symmetry, &p, &mut special);
         }
         self.branch.rows[row].label = Some(short);
         self.branch.points.push(special);
@@ -337,25 +385,22 @@ impl Cycles<'_> {
 
     /// The same quantities on a refined discretisation, in space where the problem has one and in time by a degree
     /// more: one Newton step from the present orbit at the same parameters, which leaves the error of the error.
-    fn refined(&self, system: &Collocation, orbit: &Orbit, lambda: f64, counts: &mut Counts) -> Option<Vec<f64>> {
-        let refinement = self.prepared.problem.refined();
-        let (problem, finer): (Arc<dyn Problem>, Orbit) = match &refinement {
-            Some(refinement) => (refinement.problem.clone(), orbit.mapped(&*refinement.prolong)),
+    fn refined(&self, frame: &Frame, orbit: &Orbit, lambda: f64) -> Option<Vec<f64>> {
+        let (problem, finer): (Arc<dyn Problem>, Orbit) = match self.prepared.problem.refined() {
+            Some(refinement) => (refinement.problem, orbit.mapped(&*refinement.prolong)),
             None => (self.prepared.problem.clone(), orbit.clone()),
         };
         let finer = finer.interpolated(&orbit.mesh, orbit.degree + 1);
         let symmetry = if orbit.parts == 2 { problem.reflection()? } else { Reflection::identity(problem.dim()) };
-        let frame = Frame { problem: problem.clone(), symmetry: symmetry.clone(), ..system.frame.clone() };
+        let frame = Frame { problem: problem.clone(), symmetry: symmetry.clone(), ..frame.clone() };
         let fine = Collocation::new(frame, &finer);
         let mut x = Collocation::unknowns(&finer);
-        let border = Border { row: vec![0.0; x.len()], lambda: 1.0 };
+        let n = x.len();
+        let border = Border { row: vec![0.0; n], lambda: 1.0 };
         let factors = fine.factor(&x, lambda, &border).ok()?;
-        let mut right = vec![0.0; x.len() + 1];
-        fine.residual(&x, lambda, &mut right[..finer.nodes.len() - finer.dim + 1]);
+        let mut right = vec![0.0; n + 1];
+        fine.residual(&x, lambda, &mut right[..n]);
         factors.solve(&mut right);
-        counts.factorisations += 1;
-        counts.residuals += 1;
-        counts.newton += 1;
         x.iter_mut().zip(&right).for_each(|(x, d)| *x -= d);
         let p = fine.parameters(lambda);
         Some(measure(&*problem, &self.prepared.observables, &fine.orbit(&x), &symmetry, &p))
@@ -393,7 +438,7 @@ impl Cycles<'_> {
         }
         found.sort_by(|x, y| x.0.total_cmp(&y.0));
         for (_, point, factors) in found {
-            self.push(system, &point, &factors, Some(Kind::UZ), counts);
+            self.push(system, &point, &factors, Some(Kind::UZ));
         }
         Ok(())
     }

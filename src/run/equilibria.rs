@@ -66,6 +66,9 @@ fn follow(
         if hopf {
             tool.hopf_points(&mut samples, counts)?;
         }
+        if task.spectrum > 0 {
+            tool.smooth(&mut samples, counts)?;
+        }
         Some(tool)
     } else {
         None
@@ -331,7 +334,7 @@ fn estimate(
             let ends = (neighbours.0.and_then(|s| settle(&s.point)), neighbours.1.and_then(|s| settle(&s.point)));
             let ((Some(a), Some(b)), Some(tool)) = (ends, spectra) else { return };
             let mut counts = Counts::default();
-            let Ok(theta) = tool.coalescence(&fine, (&a, &b), *mean, &mut counts) else { return };
+            let Ok(Some(theta)) = tool.coalescence(&fine, (&a, &b), *mean, &mut counts) else { return };
             (Some(a.lambda + theta * (b.lambda - a.lambda)), BTreeMap::new())
         }
         _ => {

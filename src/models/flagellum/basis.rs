@@ -23,15 +23,17 @@ pub struct Basis {
     pub integral: Mat<f64>,
     /// `integral * value`.
     pub integrated_value: Mat<f64>,
+    /// `value^T diag(w) value`.
+    pub gram: Mat<f64>,
     pub value_transposed: Mat<f64>,
     pub integral_transposed: Mat<f64>,
 }
 
 impl Basis {
-    /// Enough points that products of an angle with sine and cosine of another are integrated to rounding for the
-    /// amplitudes of interest: half as many again as functions, plus a margin for the trigonometric factors.
+    /// Products of two angles are integrated exactly by functions + 1 points; a quarter more and a margin are for the
+    /// trigonometric factors. What that leaves is below what the truncation of the basis leaves.
     pub fn new(functions: usize) -> Self {
-        let points = functions + functions / 2 + 6;
+        let points = functions + functions / 4 + 6;
         let (x, w) = gauss(points);
         let value = Mat::from_fn(points, functions, |i, k| angle(k, x[i]));
         let legendre: Vec<Vec<f64>> = x.iter().map(|&x| legendre(points + 1, x)).collect();
@@ -42,8 +44,9 @@ impl Basis {
         });
         let integrated_value = &integral * &value;
         let value_transposed = value.transpose().to_owned();
+        let gram = &value_transposed * Mat::from_fn(points, functions, |i, k| w[i] * value[(i, k)]);
         let integral_transposed = integral.transpose().to_owned();
-        Self { functions, points, x, w, value, integral, integrated_value, value_transposed, integral_transposed }
+        Self { functions, points, x, w, value, integral, integrated_value, gram, value_transposed, integral_transposed }
     }
 }
 

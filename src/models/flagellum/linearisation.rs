@@ -31,11 +31,14 @@ pub(super) fn fill(model: &TwoDoublet, at: At, mut gu: MatMut<'_, f64>, mut gv: 
     let coupling = [stiffness(model, &groups, &delta), scaled_rows(&basis.integrated_value, |_| groups.beta_n)];
 
     // The shear moment acts alike on both doublets, whichever is varied.
-    let shear = |coefficient: &dyn Fn(f64) -> f64| -> Mat<f64> {
-        let weighted = scaled_rows(b, |i| 0.5 * w[i] * coefficient(0.5 * (psi[0][i] + psi[1][i])));
-        product(b.as_ref().transpose(), weighted.as_ref())
+    let slope = |i: usize| {
+        let mean = 0.5 * (psi[0][i] + psi[1][i]);
+        0.5 * w[i] * (groups.kappa_t + 3.0 * groups.kappa_3t * mean * mean)
     };
-    let shear = [shear(&|mean| groups.kappa_t + 3.0 * groups.kappa_3t * mean * mean), shear(&|_| groups.beta_t)];
+    let shear = [
+        product(basis.value_transposed.as_ref(), scaled_rows(b, slope).as_ref()),
+        Mat::from_fn(k, k, |i, j| 0.5 * groups.beta_t * basis.gram[(i, j)]),
+    ];
 
     for n in 0..2 {
         let traction = model.traction(EPS[n], &groups, (&psi[n], &psi_t[n]), (&distribution, &f_n));
@@ -97,12 +100,12 @@ pub(super) fn fill(model: &TwoDoublet, at: At, mut gu: MatMut<'_, f64>, mut gv: 
         }
         let own = product(left.as_ref().transpose(), right.as_ref());
         let turned = scaled_rows(b, |i| -c[i] * beyond_x[i] - s[i] * beyond_y[i]);
-        let turned = product(b.as_ref().transpose(), turned.as_ref());
+        let turned = product(basis.value_transposed.as_ref(), turned.as_ref());
         let tested = left.as_ref().subrows(m, m).transpose();
         let cross = [product(tested, coupling[0].as_ref()), product(tested, coupling[1].as_ref())];
 
-        for other in 0..2 {
-            let sign = EPS[n] * EPS[other];
+        for (other, eps) in EPS.into_iter().enumerate() {
+            let sign = EPS[n] * eps;
             for j in 0..k {
                 let out_u = gu.rb_mut().col_mut(other * k + j).subrows_mut(n * k, k);
                 let out_v = gv.rb_mut().col_mut(other * k + j).subrows_mut(n * k, k);
