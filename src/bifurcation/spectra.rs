@@ -143,6 +143,13 @@ impl<'a> Spectra<'a> {
                 }
             }
         }
+        // Points were put where a branch outside of the visible spectrum bends, too; those have no name.
+        for sample in samples.iter_mut() {
+            let edge = sample.values.get(self.wanted - 1).map_or(f64::NEG_INFINITY, |z| z.re);
+            if matches!(sample.mark, Some(Mark::Exceptional(mean)) if mean < edge) {
+                sample.mark = None;
+            }
+        }
         Ok(())
     }
 
@@ -216,12 +223,18 @@ impl<'a> Spectra<'a> {
             return Ok(0);
         }
         let places: Vec<(f64, bool)> = left.chain([(theta, true)]).chain(right).collect();
-        for (k, &(at, exact)) in places.iter().enumerate() {
-            let point = at_fraction(self.system, (&a, &b), at, counts)?.point;
-            let mut sample = Sample::new(point, exact.then_some(Mark::Exceptional(mean)));
-            sample.values = self.at(&sample.point, counts)?;
-            samples.insert(i + k, sample);
-        }
+        let added: Result<Vec<Sample>, Failure> = places
+            .par_iter()
+            .map(|&(at, exact)| {
+                let mut counts = Counts::default();
+                let point = at_fraction(self.system, (&a, &b), at, &mut counts)?.point;
+                let mut sample = Sample::new(point, exact.then_some(Mark::Exceptional(mean)));
+                sample.values = self.at(&sample.point, &mut counts)?;
+                Ok(sample)
+            })
+            .collect();
+        samples.splice(i..i, added?);
+        counts.spectra += places.len();
         Ok(places.len())
     }
 
@@ -263,7 +276,7 @@ impl<'a> Spectra<'a> {
         for _ in 0..30 {
             let theta = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
             let here = discriminant(theta, counts)?;
-            if here.abs() < 1e-12 * scale || (high.0 - low.0).abs() < 1e-12 {
+            if here.abs() < 1e-11 * scale || (high.0 - low.0).abs() < 1e-12 {
                 return Ok(Some(theta));
             }
             if here * high.1 < 0.0 {

@@ -10,6 +10,7 @@ use crate::continuation::{Border, Counts, Failure, Point, StepControl, Stop, Wal
 use crate::linalg::c64;
 use crate::problem::{At, Problem};
 use crate::scene;
+use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::time::Instant;
@@ -74,18 +75,25 @@ fn follow(
         None
     };
     rows(prepared, &system, task, &samples, &mut branch);
-    for (row, sample) in samples.iter().enumerate() {
-        let Some(mark) = &sample.mark else { continue };
-        let kind = kind(mark);
+    let marked: Vec<(usize, &Sample, Kind)> = (samples.iter().enumerate())
+        .filter_map(|(row, sample)| Some((row, sample, kind(sample.mark.as_ref()?))))
+        .collect();
+    let points: Vec<SpecialPoint> = marked
+        .par_iter()
+        .map(|&(row, sample, _)| {
+            let mut point = special(prepared, &system, sample, spectra.as_ref());
+            if along.errors {
+                let neighbours = (samples.get(row.wrapping_sub(1)), samples.get(row + 1));
+                estimate(prepared, &system, sample, neighbours, spectra.as_ref(), &mut point);
+            }
+            point
+        })
+        .collect();
+    for ((row, _, kind), mut point) in marked.into_iter().zip(points) {
         let (short, label) = labels(&branch, kind);
-        let mut point = special(prepared, &system, sample, spectra.as_ref());
         (point.label, point.kind, point.row) = (label, kind, row);
         if prepared.waves.contains(&short) {
             wave::of_mode(prepared, &mut point);
-        }
-        if along.errors {
-            let neighbours = (samples.get(row.wrapping_sub(1)), samples.get(row + 1));
-            estimate(prepared, &system, sample, neighbours, spectra.as_ref(), &mut point);
         }
         branch.rows[row].label = Some(short);
         branch.points.push(point);
