@@ -57,8 +57,9 @@ fn execute(command: Command) -> Result<bool, RunError> {
                 .map_err(|e| RunError::Input(format!("cannot write {}: {e}", path.display())))?;
             print(&format!("{}\n", path.display()))?;
         }
-        Command::Completions(completions) => cli::completions(completions.shell)
-            .map_err(|e| RunError::Input(format!("cannot write to stdout: {e}")))?,
+        Command::Completions(completions) => {
+            cli::completions(completions.shell).map_err(|e| RunError::Input(format!("cannot write to stdout: {e}")))?
+        }
     }
     Ok(true)
 }

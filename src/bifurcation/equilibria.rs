@@ -3,7 +3,6 @@
 use crate::continuation::{Border, Factored, System};
 use crate::linalg::{Bordered, Eigenpair, Singular, pencil};
 use crate::problem::{At, Direction, Problem};
-use faer::Mat;
 use std::sync::Arc;
 
 /// The system; arclength counts the root mean square of u over `scale_state`, and lambda over `scale_lambda`.
@@ -28,9 +27,8 @@ impl Equilibria {
     pub fn spectrum(&self, u: &[f64], lambda: f64, shift: f64, vectors: usize) -> Result<Vec<Eigenpair>, Singular> {
         let n = u.len();
         let (rest, p) = (vec![0.0; n], self.parameters(lambda));
-        let (mut gu, mut gv) = (Mat::zeros(n, n), Mat::zeros(n, n));
-        self.problem.linearise(At { u, v: &rest, p: &p }, gu.as_mut(), gv.as_mut());
-        pencil(gu.as_ref(), gv.as_ref(), shift, vectors)
+        let (gu, gv) = self.problem.linearised(At { u, v: &rest, p: &p });
+        pencil(gu.dense(), gv.dense(), shift, vectors)
     }
 }
 
@@ -46,13 +44,12 @@ impl System for Equilibria {
         let n = x.len();
         let (rest, p) = (vec![0.0; n], self.parameters(lambda));
         let at = At { u: x, v: &rest, p: &p };
-        let (mut gu, mut gv) = (Mat::zeros(n, n), Mat::zeros(n, n));
-        self.problem.linearise(at, gu.as_mut(), gv.as_mut());
+        let (gu, _) = self.problem.linearised(at);
         let mut unit = vec![0.0; p.len()];
         unit[self.free] = 1.0;
         let mut by_lambda = vec![0.0; n];
         self.problem.derivative(at, &[Direction { u: &[], v: &[], p: &unit }], &mut by_lambda);
-        Bordered::new(gu.as_ref(), &by_lambda, &border.row, border.lambda)
+        Bordered::new(gu.dense(), &by_lambda, &border.row, border.lambda)
     }
 
     fn dual(&self, t: &[f64]) -> Vec<f64> {

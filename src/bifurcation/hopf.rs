@@ -116,9 +116,9 @@ impl Frame {
         let n = problem.dim();
         let rest = vec![0.0; n];
         let at = At { u: &hopf.u, v: &rest, p: &hopf.p };
-        let (mut gu, mut gv) = (Mat::zeros(n, n), Mat::zeros(n, n));
-        problem.linearise(at, gu.as_mut(), gv.as_mut());
-        let lu = Lu::new(gu.as_ref())?;
+        let (gu, gv) = problem.linearised(at);
+        let (gu, gv) = (gu.dense(), gv.dense());
+        let lu = Lu::new(gu)?;
         let mut correction = vec![0.0; n];
         problem.residual(at, &mut correction);
         lu.solve(&mut correction);

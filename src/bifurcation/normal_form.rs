@@ -36,8 +36,8 @@ impl HopfNormalForm {
         let n = problem.dim();
         let rest = vec![0.0; n];
         let at = At { u: &hopf.u, v: &rest, p: &hopf.p };
-        let (mut gu, mut gv) = (Mat::zeros(n, n), Mat::zeros(n, n));
-        problem.linearise(at, gu.as_mut(), gv.as_mut());
+        let (gu, gv) = problem.linearised(at);
+        let (gu, gv) = (gu.dense(), gv.dense());
         let q = Complex::new(&hopf.q, hopf.omega);
         let q_bar = q.conjugate();
 
@@ -47,7 +47,7 @@ impl HopfNormalForm {
         let a = Mat::from_fn(n, n, |i, j| c64::new(gu[(i, j)], twice * gv[(i, j)]));
         Lu::new(a.as_ref())?.solve(&mut h20);
         let mut h11: Vec<f64> = second(problem, at, &q, &q_bar).iter().map(|z| -z.re).collect();
-        Lu::new(gu.as_ref())?.solve(&mut h11);
+        Lu::new(gu)?.solve(&mut h11);
 
         let steady = Complex { u: h11.iter().map(|&x| c64::new(x, 0.0)).collect(), v: Vec::new() };
         let double = Complex::new(&h20, twice);

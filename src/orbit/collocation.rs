@@ -10,7 +10,7 @@
 use super::condensation::{Condensed, Elimination, Forwarded, Reach};
 use super::{Multipliers, Orbit, Points, Scheme, adapted, multipliers};
 use crate::continuation::{Border, Factored, Point, System};
-use crate::linalg::{Lu, Singular};
+use crate::linalg::{Lu, Matrix, Singular};
 use crate::problem::{At, Direction, Problem, Reflection};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
@@ -155,14 +155,16 @@ impl Collocation {
         let (n, m) = (orbit.dim, self.scheme.degree);
         let rate = 1.0 / ((self.mesh[j + 1] - self.mesh[j]) * orbit.part);
         let (mut inside, mut right) = (Mat::zeros(m * n, (m - 1) * n), Mat::zeros(m * n, 2 * n + 2));
-        let (mut gu, mut gv) = (Mat::zeros(n, n), Mat::zeros(n, n));
+        let structure = self.frame.problem.structure();
+        let (mut gu, mut gv) = (Matrix::zeros(structure, n), Matrix::zeros(structure, n));
         let mut unit = vec![0.0; p.len()];
         unit[self.frame.free] = 1.0;
         let mut by_lambda = vec![0.0; n];
         for i in 0..m {
             let (u, v) = self.state(orbit, j, i);
             let at = At { u: &u, v: &v, p };
-            self.frame.problem.linearise(at, gu.as_mut(), gv.as_mut());
+            self.frame.problem.linearise(at, &mut gu, &mut gv);
+            let (gu, gv) = (gu.dense(), gv.dense());
             self.frame.problem.derivative(at, &[Direction { u: &[], v: &[], p: &unit }], &mut by_lambda);
             for l in 0..=m {
                 let (a, d) = (self.scheme.value[i][l], self.scheme.slope[i][l] * rate);
@@ -171,7 +173,7 @@ impl Collocation {
                     l if l == m => right.as_mut().submatrix_mut(i * n, n, n, n),
                     _ => inside.as_mut().submatrix_mut(i * n, (l - 1) * n, n, n),
                 };
-                faer::zip!(block, gu.as_ref(), gv.as_ref()).for_each(|faer::unzip!(b, x, y)| *b = a * *x + d * *y);
+                faer::zip!(block, gu, gv).for_each(|faer::unzip!(b, x, y)| *b = a * *x + d * *y);
             }
             // dG/dP = -G_v v / P.
             for row in 0..n {

@@ -1,7 +1,7 @@
 //! From one generic formula to a [`Problem`]: derivatives by (hyper-)dual numbers, exact to rounding.
 
 use super::{At, Direction, Observable, Parameter, Problem, Refinement, Reflection};
-use faer::MatMut;
+use crate::linalg::Matrix;
 use num_dual::{Dual64, DualNum, HyperDual64, HyperHyperDual64};
 
 /// A real number, or one that carries derivatives.
@@ -23,8 +23,9 @@ pub trait Formula: Send + Sync {
     fn residual<S: Scalar>(&self, u: &[S], v: &[S], p: &[S], g: &mut [S]);
 
     /// `G_u` and `G_v`; by default column by column with dual numbers. A model with structure may know better.
-    fn linearise(&self, at: At, mut gu: MatMut<'_, f64>, mut gv: MatMut<'_, f64>) {
+    fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix) {
         let n = self.dim();
+        let (mut gu, mut gv) = (gu.dense_mut(), gv.dense_mut());
         let (mut u, mut v) = (lift(at.u), lift(at.v));
         let p = lift(at.p);
         let mut g = vec![Dual64::from_re(0.0); n];
@@ -117,7 +118,7 @@ impl<F: Formula> Problem for Automatic<F> {
         self.0.residual(at.u, at.v, at.p, g);
     }
 
-    fn linearise(&self, at: At, gu: MatMut<'_, f64>, gv: MatMut<'_, f64>) {
+    fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix) {
         self.0.linearise(at, gu, gv);
     }
 
@@ -170,12 +171,11 @@ impl<F: Formula> Problem for Automatic<F> {
 /// models that write their own `linearise`.
 pub fn check_derivatives(problem: &dyn Problem, at: At) -> f64 {
     let n = problem.dim();
-    let (mut gu, mut gv) = (faer::Mat::zeros(n, n), faer::Mat::zeros(n, n));
-    problem.linearise(at, gu.as_mut(), gv.as_mut());
+    let (gu, gv) = problem.linearised(at);
     let mut worst = 0.0_f64;
     let mut column = vec![0.0; n];
     let mut unit = vec![0.0; n];
-    for (matrix, in_u) in [(&gu, true), (&gv, false)] {
+    for (matrix, in_u) in [(gu.dense(), true), (gv.dense(), false)] {
         let scale = matrix.norm_max().max(f64::MIN_POSITIVE);
         for j in 0..n {
             unit[j] = 1.0;

@@ -15,7 +15,7 @@ mod tied;
 pub use automatic::{Automatic, Formula, Scalar, check_derivatives};
 pub use tied::{Tie, Tied};
 
-use faer::MatMut;
+use crate::linalg::{Matrix, Structure};
 use std::sync::Arc;
 
 /// A parameter of a model.
@@ -146,8 +146,21 @@ pub trait Problem: Send + Sync {
     /// `g = G(u, v, p)`; lengths `dim`.
     fn residual(&self, at: At, g: &mut [f64]);
 
-    /// `gu = G_u`, `gv = G_v = M`; both `dim` by `dim`, overwritten.
-    fn linearise(&self, at: At, gu: MatMut<'_, f64>, gv: MatMut<'_, f64>);
+    /// The pattern of `G_u` and `G_v`.
+    fn structure(&self) -> Structure {
+        Structure::Dense
+    }
+
+    /// `gu = G_u`, `gv = G_v = M`; both `dim` by `dim` and of the problem's structure, overwritten.
+    fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix);
+
+    /// Both, in matrices of their own.
+    fn linearised(&self, at: At) -> (Matrix, Matrix) {
+        let zeros = || Matrix::zeros(self.structure(), self.dim());
+        let (mut gu, mut gv) = (zeros(), zeros());
+        self.linearise(at, &mut gu, &mut gv);
+        (gu, gv)
+    }
 
     /// The derivative of G along one, two or three directions: `D^k G [d_1, ..., d_k]`, exact.
     fn derivative(&self, at: At, directions: &[Direction], out: &mut [f64]);

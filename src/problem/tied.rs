@@ -4,7 +4,7 @@
 //! by the chain rule: with `P(p)` the resolved vector and `d` a direction, `P'd`, `P''[d, e]` enter the derivatives of G.
 
 use super::{At, Direction, Observable, Parameter, Problem, Refinement, Reflection};
-use faer::MatMut;
+use crate::linalg::{Matrix, Structure};
 use num_dual::{Dual64, HyperDual64};
 use std::sync::Arc;
 
@@ -75,7 +75,11 @@ impl Problem for Tied {
         self.inner.residual(At { p: &self.resolve(at.p), ..at }, g);
     }
 
-    fn linearise(&self, at: At, gu: MatMut<'_, f64>, gv: MatMut<'_, f64>) {
+    fn structure(&self) -> Structure {
+        self.inner.structure()
+    }
+
+    fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix) {
         self.inner.linearise(At { p: &self.resolve(at.p), ..at }, gu, gv);
     }
 

@@ -4,8 +4,8 @@ use super::equilibria::error;
 use super::outcome::{Outcome, Status, labels};
 use super::resume::{Checkpoint, Keeper};
 use super::study::Prepared;
-use super::wave;
 use super::watch::{Watch, interrupted};
+use super::wave;
 use crate::bifurcation::{Hopf, HopfNormalForm};
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{
@@ -268,7 +268,8 @@ impl Cycles<'_> {
         let first = correct(&system, (x, lambda), &border, counts)?;
 
         let onset = from_hopf((hopf, form), self.prepared.free, 0.0, (&symmetry, parts), mesh).0;
-        let still = Point { x: Collocation::unknowns(&onset), lambda: hopf.p[self.prepared.free], ..first.point.clone() };
+        let still =
+            Point { x: Collocation::unknowns(&onset), lambda: hopf.p[self.prepared.free], ..first.point.clone() };
         let values = self.measure(&onset, &symmetry, &system.parameters(still.lambda));
         let mut row: Vec<Option<f64>> = vec![Some(still.lambda)];
         row.extend(values.into_iter().map(Some));
@@ -362,7 +363,8 @@ impl Cycles<'_> {
             };
         }
         let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
-        let nodes = |orbit: &Orbit| Array { shape: vec![orbit.nodes.len() / orbit.dim, orbit.dim], data: orbit.nodes.clone() };
+        let nodes =
+            |orbit: &Orbit| Array { shape: vec![orbit.nodes.len() / orbit.dim, orbit.dim], data: orbit.nodes.clone() };
         let arrays = BTreeMap::from([
             ("state".to_owned(), nodes(orbit)),
             ("tangent".to_owned(), nodes(tangent)),

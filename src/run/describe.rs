@@ -1,7 +1,7 @@
 //! `hopfline models`: what there is to compute on.
 
 use super::RunError;
-use crate::models::{REGISTRY, Options, find};
+use crate::models::{Options, REGISTRY, find};
 use crate::problem::Default;
 use crate::scene::Fault;
 use std::fmt::Write;
@@ -13,9 +13,8 @@ pub fn models() -> String {
 
 /// Options, parameters and observables of a model.
 pub fn one_model(name: &str) -> Result<String, RunError> {
-    let model = find(name).ok_or_else(|| {
-        RunError::Input(Fault::unknown("model", name, REGISTRY.iter().map(|m| m.name)).to_string())
-    })?;
+    let model = find(name)
+        .ok_or_else(|| RunError::Input(Fault::unknown("model", name, REGISTRY.iter().map(|m| m.name)).to_string()))?;
     let problem = (model.build)(&Options::default()).map_err(|e| RunError::Input(e.to_string()))?;
     let mut out = format!("{}: {}\n\noptions ([model])\n", model.name, model.meaning);
     for (option, values, meaning) in model.options {

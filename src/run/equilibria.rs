@@ -2,8 +2,8 @@
 
 use super::outcome::{Outcome, Status, labels};
 use super::study::Prepared;
-use super::wave;
 use super::watch::{Watch, interrupted};
+use super::wave;
 use crate::bifurcation::{Equilibria, Hopf, HopfNormalForm, Mark, Sample, Spectra, leading};
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Border, Counts, Failure, Point, StepControl, Stop, Walk, at_lambda, correct, crossing};

@@ -53,7 +53,10 @@ fn spec(figure: &Figure, branches: &[Branch]) -> Option<Spec> {
 pub fn redraw(folder: &Path) -> Result<Vec<String>, RunError> {
     let path = folder.join("summary.json");
     let text = std::fs::read(&path).map_err(|e| {
-        RunError::Input(format!("cannot read {}: {e}; give the folder of a finished run, such as output/SCENE", path.display()))
+        RunError::Input(format!(
+            "cannot read {}: {e}; give the folder of a finished run, such as output/SCENE",
+            path.display()
+        ))
     })?;
     let summary: Summary = serde_json::from_slice(&text)
         .map_err(|e| RunError::Input(format!("{} is not the summary of a run: {e}", path.display())))?;

@@ -28,7 +28,10 @@ impl Folder {
             remove(&self.path("branches").join(format!("{task}.csv")));
             remove(&self.path("resume").join(format!("{task}.json")));
             if let Ok(entries) = std::fs::read_dir(self.path("points").join(task)) {
-                entries.flatten().filter(|e| e.path().extension().is_some_and(|x| x == "npz")).for_each(|e| remove(&e.path()));
+                entries
+                    .flatten()
+                    .filter(|e| e.path().extension().is_some_and(|x| x == "npz"))
+                    .for_each(|e| remove(&e.path()));
             }
         }
         Ok(())

@@ -106,7 +106,10 @@ fn check_start(scene: &Scene, cycles: &crate::scene::Cycles) -> Result<(), Scene
         Some((true, true)) => Ok(()),
         _ => Err(scene.refuse(
             &cycles.from_at,
-            format!("cycles start at a Hopf point of a task of kind \"equilibria\", such as \"TASK/HB1\", not at {:?}", cycles.from),
+            format!(
+                "cycles start at a Hopf point of a task of kind \"equilibria\", such as \"TASK/HB1\", not at {:?}",
+                cycles.from
+            ),
         )),
     }
 }

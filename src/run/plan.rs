@@ -32,17 +32,23 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
             TaskKind::Equilibria(e) => {
                 let detect = e.detect.iter().any(|kind| kind == "HB");
                 let count = if detect { e.spectrum.max(4) } else { e.spectrum };
-                out += &yes_no(count > 0, format!("{count} leading eigenvalues at every point"), "no spectrum, no detect");
+                out +=
+                    &yes_no(count > 0, format!("{count} leading eigenvalues at every point"), "no spectrum, no detect");
                 out += &yes_no(detect, "Hopf points with their normal form".into(), "detect has no HB");
                 out += &yes_no(e.detect.iter().any(|k| k == "LP"), "folds".into(), "detect has no LP");
             }
             TaskKind::Cycles(c) => {
                 let points = if c.gauss { "Gauss" } else { "Radau" };
-                let _ = writeln!(out, "  computed: cycles from {}, {} intervals of degree {} ({points} points)", c.from, c.intervals, c.degree);
+                let _ = writeln!(
+                    out,
+                    "  computed: cycles from {}, {} intervals of degree {} ({points} points)",
+                    c.from, c.intervals, c.degree
+                );
                 let half = c.symmetry && crate::problem::Problem::reflection(&*prepared.problem).is_some();
                 out += &yes_no(!half, "the second half of each period".into(), "symmetry gives it");
                 let multipliers = c.multipliers > 0;
-                out += &yes_no(multipliers, "Floquet multipliers and stability".into(), "multipliers are not asked for");
+                out +=
+                    &yes_no(multipliers, "Floquet multipliers and stability".into(), "multipliers are not asked for");
             }
         }
         let list = ready.study.observables();
@@ -50,7 +56,11 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
         let others: Vec<&str> = list.iter().map(|o| o.name).filter(|name| !wanted.contains(name)).collect();
         out += &yes_no(!wanted.is_empty(), format!("observables {}", wanted.join(", ")), "none is used");
         if !others.is_empty() {
-            let _ = writeln!(out, "  left out: observables {} (no column, figure or expectation uses them)", others.join(", "));
+            let _ = writeln!(
+                out,
+                "  left out: observables {} (no column, figure or expectation uses them)",
+                others.join(", ")
+            );
         }
         out += &yes_no(along.errors, "error estimates on a refined discretisation".into(), "errors = false");
     }

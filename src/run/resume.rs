@@ -96,8 +96,7 @@ impl Keeper {
 
     fn write(&self, task: &str, state: State) {
         let kept = Kept { scene: self.scene.clone(), state };
-        let _ = write_atomically(&self.path(task), |file| {
-            serde_json::to_writer(file, &kept).map_err(std::io::Error::from)
-        });
+        let _ =
+            write_atomically(&self.path(task), |file| serde_json::to_writer(file, &kept).map_err(std::io::Error::from));
     }
 }

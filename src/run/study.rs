@@ -84,8 +84,9 @@ impl Study {
         let mut ties = Vec::new();
         for (target, q) in list.iter().enumerate() {
             let (Default::Tie(text) | Default::Derived(text)) = q.default else { continue };
-            let expression = Expression::parse(text)
-                .map_err(|e| scene.refuse(&scene.model.at, format!("the model's own tie of {} is wrong: {e}", q.name)))?;
+            let expression = Expression::parse(text).map_err(|e| {
+                scene.refuse(&scene.model.at, format!("the model's own tie of {} is wrong: {e}", q.name))
+            })?;
             ties.push(Law { target, expression, place: None });
         }
         for setting in &scene.parameters {
@@ -131,7 +132,8 @@ impl Study {
         let (mut open, mut sorted) = (std::mem::take(&mut self.ties), Vec::new());
         while !open.is_empty() {
             let waiting: BTreeSet<&str> = open.iter().map(|tie| names[tie.target]).collect();
-            let ready = open.iter().position(|tie| tie.expression.names().iter().all(|n| !waiting.contains(n.as_str())));
+            let ready =
+                open.iter().position(|tie| tie.expression.names().iter().all(|n| !waiting.contains(n.as_str())));
             let Some(ready) = ready else {
                 let circle: Vec<String> =
                     open.iter().map(|tie| format!("{} = {}", names[tie.target], tie.expression)).collect();
@@ -205,7 +207,8 @@ impl Study {
             return Err(scene.refuse(&along.free_at, format!("{} is always {text}; it cannot be free", q.name)));
         }
         if let Some(tie) = self.ties.iter().find(|tie| tie.target == free && tie.place.is_some()) {
-            let message = format!("{} is tied to {} in [parameters]; remove the tie to free it", q.name, tie.expression);
+            let message =
+                format!("{} is tied to {} in [parameters]; remove the tie to free it", q.name, tie.expression);
             return Err(scene.refuse(&along.free_at, message));
         }
         let problem = self.problem(free);
@@ -213,7 +216,9 @@ impl Study {
         for end in [along.range.from, along.range.to] {
             p[free] = end;
             if !q.bounds.contain(end) {
-                return Err(scene.refuse(&along.range.at, format!("{} = {end} {}: must be {}", q.name, q.unit, q.bounds)));
+                return Err(
+                    scene.refuse(&along.range.at, format!("{} = {end} {}: must be {}", q.name, q.unit, q.bounds))
+                );
             }
             let resolved = problem.resolve(&p);
             if let Some((q, x)) = list.iter().zip(&resolved).find(|(q, x)| !q.bounds.contain(**x)) {
@@ -242,8 +247,11 @@ impl Study {
     fn wanted(&self, scene: &Scene, task: &Task) -> Result<Vec<usize>, SceneError> {
         let along = task.kind.along();
         let cycles = matches!(task.kind, TaskKind::Cycles(_));
-        let own: &[&str] =
-            if cycles { &["period", "frequency", "trivial_error"] } else { &["omega", "frequency", "lyapunov", "growth"] };
+        let own: &[&str] = if cycles {
+            &["period", "frequency", "trivial_error"]
+        } else {
+            &["omega", "frequency", "lyapunov", "growth"]
+        };
         let list = self.model.observables();
         let mut wanted = BTreeSet::new();
         let mut note = |name: &str, at: &Place| -> Result<(), SceneError> {

@@ -150,7 +150,8 @@ impl Summary {
         for e in &self.expect {
             let verdict = if e.met { "met" } else { "MISSED" };
             let found = e.value.map_or("not found".to_owned(), |v| format!("{v}"));
-            let _ = writeln!(out, "  {verdict:7} {:32} {found} (expected {} to {:.0e})", e.key, e.expected, e.tolerance);
+            let _ =
+                writeln!(out, "  {verdict:7} {:32} {found} (expected {} to {:.0e})", e.key, e.expected, e.tolerance);
         }
         let _ = writeln!(out, "\n{:.2} s; data and figures in {folder}", self.seconds);
         out

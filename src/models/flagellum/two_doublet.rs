@@ -22,11 +22,11 @@
 
 use super::basis::Basis;
 use super::observables;
+use crate::linalg::Matrix;
 use crate::models::{ModelError, Options};
 use crate::problem::{
     At, Automatic, Bounds, Default, Formula, Observable, Parameter, Problem, Refinement, Reflection, Scalar,
 };
-use faer::MatMut;
 use std::sync::Arc;
 
 /// How the dynein load varies along the doublets.
@@ -268,8 +268,8 @@ impl Formula for TwoDoublet {
         }
     }
 
-    fn linearise(&self, at: At, gu: MatMut<'_, f64>, gv: MatMut<'_, f64>) {
-        super::linearisation::fill(self, at, gu, gv);
+    fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix) {
+        super::linearisation::fill(self, at, gu.dense_mut(), gv.dense_mut());
     }
 
     fn time_unit(&self) -> &'static str {
