@@ -65,6 +65,10 @@ pub trait Formula: Send + Sync {
         None
     }
 
+    fn picture_unit(&self) -> &'static str {
+        ""
+    }
+
     fn picture(&self, _u: &[f64], _p: &[f64]) -> Option<Vec<[f64; 2]>> {
         None
     }
@@ -156,6 +160,10 @@ impl<F: Formula> Problem for Automatic<F> {
 
     fn reflection(&self) -> Option<Reflection> {
         self.0.reflection()
+    }
+
+    fn picture_unit(&self) -> &'static str {
+        self.0.picture_unit()
     }
 
     fn picture(&self, u: &[f64], p: &[f64]) -> Option<Vec<[f64; 2]>> {

@@ -184,7 +184,12 @@ pub trait Problem: Send + Sync {
         None
     }
 
-    /// The planar curve that a state looks like, as points (x, y), and its unit.
+    /// The unit of pictures' coordinates.
+    fn picture_unit(&self) -> &'static str {
+        ""
+    }
+
+    /// The planar curve that a state looks like, as points (x, y).
     fn picture(&self, _u: &[f64], _p: &[f64]) -> Option<Vec<[f64; 2]>> {
         None
     }

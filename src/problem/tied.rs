@@ -115,6 +115,10 @@ impl Problem for Tied {
         self.inner.reflection()
     }
 
+    fn picture_unit(&self) -> &'static str {
+        self.inner.picture_unit()
+    }
+
     fn picture(&self, u: &[f64], p: &[f64]) -> Option<Vec<[f64; 2]>> {
         self.inner.picture(u, &self.resolve(p))
     }

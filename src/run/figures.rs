@@ -27,11 +27,11 @@ pub fn check(scene: &Scene) -> Result<(), SceneError> {
 }
 
 /// The figures whose data there are.
-pub fn specs(scene: &Scene, branches: &[Branch]) -> Vec<Spec> {
-    scene.figures.iter().filter_map(|figure| spec(figure, branches)).collect()
+pub fn specs(scene: &Scene, branches: &[Branch], picture_unit: &str) -> Vec<Spec> {
+    scene.figures.iter().filter_map(|figure| spec(figure, branches, picture_unit)).collect()
 }
 
-fn spec(figure: &Figure, branches: &[Branch]) -> Option<Spec> {
+fn spec(figure: &Figure, branches: &[Branch], picture_unit: &str) -> Option<Spec> {
     let there = |name: &String| branches.iter().any(|b| &b.name == name && !b.rows.is_empty());
     let tasks: Vec<String> = figure.tasks.iter().filter(|name| there(name)).cloned().collect();
     let free = || branches.iter().find(|b| tasks.contains(&b.name)).and_then(|b| b.free.first().cloned());
@@ -40,7 +40,7 @@ fn spec(figure: &Figure, branches: &[Branch]) -> Option<Spec> {
             let point = figure.point.clone()?;
             let found = branches.iter().flat_map(|b| &b.points).find(|p| p.label == point)?;
             found.arrays.get("wave_x")?;
-            SpecKind::Waveform { point, unit: "µm".to_owned() }
+            SpecKind::Waveform { point, unit: picture_unit.to_owned() }
         }
         _ if tasks.is_empty() => return None,
         "eigenvalues" => SpecKind::Eigenvalues { x: figure.x.clone().or_else(free)?, tasks },

@@ -143,7 +143,7 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
         }
     }
     let branches: Vec<Branch> = outcomes.iter().map(|outcome| outcome.branch.clone()).collect();
-    let specs = figures::specs(scene, &branches);
+    let specs = figures::specs(scene, &branches, ready.study.picture_unit());
     for spec in &specs {
         match crate::plot::draw(spec, &branches) {
             Ok(svg) => folder.write_figure(&spec.name, &svg)?,

@@ -179,6 +179,10 @@ impl Study {
         self.model.observables()
     }
 
+    pub fn picture_unit(&self) -> &'static str {
+        self.model.picture_unit()
+    }
+
     pub fn dim(&self) -> usize {
         self.model.dim()
     }

@@ -288,6 +288,10 @@ impl Formula for TwoDoublet {
         Some(Reflection::negation(self.dim()))
     }
 
+    fn picture_unit(&self) -> &'static str {
+        "µm"
+    }
+
     fn picture(&self, u: &[f64], p: &[f64]) -> Option<Vec<[f64; 2]>> {
         Some(observables::mean_line(self, u, p))
     }

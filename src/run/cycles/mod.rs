@@ -1,24 +1,23 @@
 //! A task of kind `cycles`: a branch of periodic orbits from a Hopf point, with multipliers, user values and errors.
 
-use super::equilibria::error;
-use super::outcome::{Outcome, Status, labels};
+mod rows;
+
+pub use rows::empty;
+
+use super::outcome::{Outcome, Status};
 use super::resume::{Checkpoint, Keeper};
 use super::study::Prepared;
 use super::watch::{Watch, interrupted};
-use super::wave;
 use crate::bifurcation::{Hopf, HopfNormalForm};
-use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
+use crate::branch::{Branch, Kind, Row, SpecialPoint};
 use crate::continuation::{
-    Border, Counts, Factored, Failure, Point, StepControl, Stop, System, Walk, at_lambda, correct, crossing, inner,
+    Border, Counts, Failure, Point, StepControl, Stop, System, Walk, at_lambda, correct, crossing, inner,
 };
 use crate::linalg::c64;
-use crate::orbit::{Collocation, Frame, Orbit, OrbitFactors, Points, from_hopf, half_period, multipliers};
+use crate::orbit::{Collocation, Frame, OrbitFactors, Points, from_hopf, half_period};
 use crate::problem::{Problem, Reflection};
 use crate::scene;
-use faer::Mat;
-use rayon::prelude::*;
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use rows::Pending;
 use std::time::Instant;
 use thiserror::Error;
 
@@ -51,18 +50,6 @@ struct Cycles<'a> {
     pending: Vec<Pending>,
 }
 
-/// An accepted point with what its row is made from.
-struct Pending {
-    lambda: f64,
-    tangent_lambda: f64,
-    orbit: Orbit,
-    tangent: Orbit,
-    frame: Frame,
-    /// The condensed rows that multipliers come from, where they are asked for.
-    transition: Option<Mat<f64>>,
-    kind: Option<Kind>,
-}
-
 /// Rows made at once.
 const BATCH: usize = 8;
 
@@ -88,47 +75,6 @@ pub fn run(
         Err(failure) => (Status::Failed, failure.to_string()),
     };
     Outcome { branch: cycles.branch, status, reason, seconds: before + start.elapsed().as_secs_f64(), counts }
-}
-
-pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
-    let time = prepared.problem.time_unit();
-    let frequency = match time {
-        "" => String::new(),
-        "s" => "Hz".to_owned(),
-        unit => format!("1/{unit}"),
-    };
-    let mut columns = vec![
-        (prepared.free_name.clone(), prepared.free_unit.clone()),
-        ("period".to_owned(), time.to_owned()),
-        ("frequency".to_owned(), frequency),
-    ];
-    let list = prepared.problem.observables();
-    for &i in &prepared.observables {
-        for extreme in ["max", "min"] {
-            columns.push((format!("{extreme} {}", list[i].name), list[i].unit.to_owned()));
-        }
-    }
-    let measured = columns.len();
-    if task.multipliers > 0 {
-        for k in 1..=task.multipliers.min(prepared.problem.dim() - 1) {
-            columns.push((format!("mu_{k}_re"), String::new()));
-            columns.push((format!("mu_{k}_im"), String::new()));
-        }
-        columns.push(("trivial_error".to_owned(), String::new()));
-    }
-    if task.along.errors {
-        for k in 1..measured {
-            columns.push((format!("error {}", columns[k].0), columns[k].1.clone()));
-        }
-    }
-    Branch {
-        name: name.to_owned(),
-        kind: BranchKind::Cycles,
-        free: vec![prepared.free_name.clone()],
-        columns: columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
-        rows: Vec::new(),
-        points: Vec::new(),
-    }
 }
 
 impl Cycles<'_> {
@@ -284,11 +230,6 @@ impl Cycles<'_> {
         Ok((system, state))
     }
 
-    /// Period, frequency, extremes: the columns after the parameter.
-    fn measure(&self, orbit: &Orbit, symmetry: &Reflection, p: &[f64]) -> Vec<f64> {
-        measure(&*self.prepared.problem, &self.prepared.observables, orbit, symmetry, p)
-    }
-
     /// Notes an accepted point; rows are made later.
     fn push(&mut self, system: &Collocation, point: &Point, factors: &OrbitFactors, kind: Option<Kind>) {
         self.pending.push(Pending {
@@ -300,112 +241,6 @@ impl Cycles<'_> {
             transition: (self.task.multipliers > 0).then(|| factors.transition().to_owned()),
             kind,
         });
-    }
-
-    /// Turns what is pending into rows and special points.
-    fn make_rows(&mut self, counts: &mut Counts) {
-        let pending = std::mem::take(&mut self.pending);
-        let rows: Vec<Row> = pending.par_iter().map(|point| self.row(point)).collect();
-        if self.task.along.errors {
-            counts.factorisations += rows.len();
-            counts.residuals += rows.len();
-            counts.newton += rows.len();
-        }
-        for (point, row) in pending.iter().zip(rows) {
-            // The Hopf point itself is as stable as the first cycle.
-            if let [onset] = &mut self.branch.rows[..] {
-                onset.stable = row.stable;
-            }
-            self.branch.rows.push(row);
-            if let Some(kind) = point.kind {
-                self.name_last_row(point, kind);
-            }
-        }
-    }
-
-    fn row(&self, point: &Pending) -> Row {
-        let Pending { lambda, orbit, frame, .. } = point;
-        let mut p = frame.p.clone();
-        p[frame.free] = *lambda;
-        let measured = self.measure(orbit, &frame.symmetry, &p);
-        let mut values: Vec<Option<f64>> = vec![Some(*lambda)];
-        values.extend(measured.iter().copied().map(Some));
-        let found = point.transition.as_ref();
-        let found = found.and_then(|rows| multipliers(rows.as_ref(), &frame.symmetry, frame.parts).ok());
-        if self.task.multipliers > 0 {
-            for k in 0..self.task.multipliers.min(orbit.dim - 1) {
-                let mu = found.as_ref().and_then(|m| m.values.get(k));
-                values.extend([mu.map(|mu| mu.re), mu.map(|mu| mu.im)]);
-            }
-            values.push(found.as_ref().map(|m| m.trivial_error));
-        }
-        if self.task.along.errors {
-            let fine = self.refined(frame, orbit, *lambda);
-            let errors = measured.iter().enumerate().map(|(k, &value)| fine.as_ref().map(|fine| error(value, fine[k])));
-            values.extend(errors);
-        }
-        Row { label: None, stable: found.map(|m| m.unstable() == 0), values }
-    }
-
-    /// Makes the last row a special point.
-    fn name_last_row(&mut self, point: &Pending, kind: Kind) {
-        let Pending { orbit, tangent, frame, .. } = point;
-        let mut p = frame.p.clone();
-        p[frame.free] = point.lambda;
-        let resolved = self.prepared.problem.resolve(&p);
-        let row = self.branch.rows.len() - 1;
-        let (mut values, mut errors) = (BTreeMap::new(), BTreeMap::new());
-        for (column, value) in self.branch.columns.iter().zip(&self.branch.rows[row].values).skip(1) {
-            let Some(value) = *value else { continue };
-            match column.name.strip_prefix("error ") {
-                Some(name) => errors.insert(name.to_owned(), value),
-                None => values.insert(column.name.clone(), value),
-            };
-        }
-        let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
-        let nodes =
-            |orbit: &Orbit| Array { shape: vec![orbit.nodes.len() / orbit.dim, orbit.dim], data: orbit.nodes.clone() };
-        let arrays = BTreeMap::from([
-            ("state".to_owned(), nodes(orbit)),
-            ("tangent".to_owned(), nodes(tangent)),
-            ("tangent_part_lambda".to_owned(), vector(vec![tangent.part, point.tangent_lambda])),
-            ("mesh".to_owned(), vector(orbit.mesh.clone())),
-            ("degree_parts".to_owned(), vector(vec![orbit.degree as f64, orbit.parts as f64])),
-            ("part".to_owned(), vector(vec![orbit.part])),
-            ("parameters".to_owned(), vector(resolved.clone())),
-        ]);
-        let (short, label) = labels(&self.branch, kind);
-        let list = self.prepared.problem.parameters();
-        let parameters = list.iter().zip(&resolved).map(|(q, &x)| (q.name.to_owned(), x)).collect();
-        let mut special = SpecialPoint { label, kind, row, parameters, values, errors, arrays };
-        if self.prepared.waves.contains(&short) {
-            wave::of_orbit(self.prepared, orbit, &frame.symmetry, &p, &mut special);
-        }
-        self.branch.rows[row].label = Some(short);
-        self.branch.points.push(special);
-    }
-
-    /// The same quantities on a refined discretisation, in space where the problem has one and in time by a degree
-    /// more: one Newton step from the present orbit at the same parameters, which leaves the error of the error.
-    fn refined(&self, frame: &Frame, orbit: &Orbit, lambda: f64) -> Option<Vec<f64>> {
-        let (problem, finer): (Arc<dyn Problem>, Orbit) = match self.prepared.problem.refined() {
-            Some(refinement) => (refinement.problem, orbit.mapped(&*refinement.prolong)),
-            None => (self.prepared.problem.clone(), orbit.clone()),
-        };
-        let finer = finer.interpolated(&orbit.mesh, orbit.degree + 1);
-        let symmetry = if orbit.parts == 2 { problem.reflection()? } else { Reflection::identity(problem.dim()) };
-        let frame = Frame { problem: problem.clone(), symmetry: symmetry.clone(), ..frame.clone() };
-        let fine = Collocation::new(frame, &finer);
-        let mut x = Collocation::unknowns(&finer);
-        let n = x.len();
-        let border = Border { row: vec![0.0; n], lambda: 1.0 };
-        let factors = fine.factor(&x, lambda, &border).ok()?;
-        let mut right = vec![0.0; n + 1];
-        fine.residual(&x, lambda, &mut right[..n]);
-        factors.solve(&mut right);
-        x.iter_mut().zip(&right).for_each(|(x, d)| *x -= d);
-        let p = fine.parameters(lambda);
-        Some(measure(&*problem, &self.prepared.observables, &fine.orbit(&x), &symmetry, &p))
     }
 
     /// Points between two accepted ones where the parameter, the period or an observable's extreme is as wanted.
@@ -446,11 +281,3 @@ impl Cycles<'_> {
     }
 }
 
-fn measure(problem: &dyn Problem, observables: &[usize], orbit: &Orbit, symmetry: &Reflection, p: &[f64]) -> Vec<f64> {
-    let mut values = vec![orbit.period(), 1.0 / orbit.period()];
-    for &i in observables {
-        let extremes = orbit.extremes(problem, i, p, symmetry);
-        values.extend([extremes.max, extremes.min]);
-    }
-    values
-}
