@@ -2,7 +2,7 @@
 
 use super::{Equilibria, Followed, Hopf, HopfNormalForm, follow, settle};
 use crate::continuation::{Counts, Failure, Point, at_fraction, at_lambda};
-use crate::linalg::c64;
+use crate::linalg::{Singular, c64};
 use rayon::prelude::*;
 
 /// What is special about a point of a branch of equilibria.
@@ -52,7 +52,7 @@ const MOST_REFINEMENTS: usize = 3;
 /// Pairs that stay closer than this part of the spectrum's visible height over a whole step are not looked at.
 const VISIBLE: f64 = 0.01;
 /// Where the curves of real and imaginary parts bend like a square root, points stand at these fractions of the gap.
-const GRADES: [f64; 4] = [1.0 / 256.0, 1.0 / 64.0, 1.0 / 16.0, 1.0 / 4.0];
+const GRADES: [f64; 3] = [1.0 / 128.0, 1.0 / 24.0, 1.0 / 5.0];
 
 impl<'a> Spectra<'a> {
     /// Computes all samples' eigenvalues, in parallel.
@@ -78,6 +78,9 @@ impl<'a> Spectra<'a> {
         counts.spectra += samples.len();
         for (sample, values) in samples.iter_mut().zip(spectra?) {
             sample.values = values;
+            if sample.values.is_empty() {
+                return Err(Singular.into());
+            }
         }
         Ok(tool)
     }
