@@ -51,7 +51,7 @@ impl Hopf {
         let n = problem.dim();
         let mut hopf =
             Self { u: u.to_vec(), p: p.to_vec(), omega, q: q.to_vec(), w: q.to_vec(), slope: c64::new(0.0, 0.0) };
-        let size_p = p[free].abs().max(f64::MIN_POSITIVE);
+        let mut size_p = p[free].abs();
         let mut last = f64::INFINITY;
         for step in 0..MOST_STEPS {
             let frame = Frame::new(problem, &hopf, free)?;
@@ -69,6 +69,7 @@ impl Hopf {
             }
             hopf.p[free] += dp;
             hopf.omega += domega;
+            size_p = size_p.max(hopf.p[free].abs()).max(f64::MIN_POSITIVE);
             let size = (dp / size_p).abs().max((domega / hopf.omega).abs());
             // Rounding is reached when steps stop shrinking.
             if size < 1e-15 || (size < 1e-9 && step > 1 && size > 0.3 * last) {

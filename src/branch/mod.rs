@@ -74,7 +74,7 @@ pub struct SpecialPoint {
     pub values: BTreeMap<String, f64>,
     /// Estimates of the total numerical error of entries of `parameters` and `values`.
     pub errors: BTreeMap<String, f64>,
-    /// State, mesh, eigenvectors, waveform: what `points/LABEL.npz` holds.
+    /// State, mesh, eigenvectors, shapes: what `points/LABEL.npz` holds.
     pub arrays: BTreeMap<String, Array>,
 }
 

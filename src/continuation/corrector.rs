@@ -21,6 +21,8 @@ pub enum Failure {
     Singular(#[from] Singular),
     #[error("Newton's method did not converge (last step {0:.1e})")]
     Diverged(f64),
+    #[error("the tangent turns too far in one step")]
+    Turned,
     #[error("the residual is not finite")]
     NotFinite,
 }

@@ -92,7 +92,7 @@ impl<'a, S: System> Walk<'a, S> {
         // A turn by more than a right angle means that another part of the curve was hit.
         let to = &corrected.point;
         let cosine = inner(&*self.system, (&from.tangent, from.tangent_lambda), (&to.tangent, to.tangent_lambda));
-        if cosine < 0.5 || corrected.distance > h { Err(Failure::Diverged(corrected.distance)) } else { Ok(corrected) }
+        if cosine < 0.5 || corrected.distance > h { Err(Failure::Turned) } else { Ok(corrected) }
     }
 
     fn predict(&self, from: &Point, h: f64) -> (Vec<f64>, f64) {

@@ -2,7 +2,8 @@
 //!
 //! What the condensed rows `C x_0 + D x_N = 0` say of perturbations is `x_N = -D^-1 C x_0`; with `u(t + P) = S u(t)`
 //! the multipliers over P are the eigenvalues of `-S^-1 D^-1 C`, and those over the period their squares where P is
-//! half of it. One multiplier over P is +1, the shift in time; its distance from 1 measures the orbit's error.
+//! half of it. One multiplier over P is +1, the shift in time; its distance from 1 bounds from below how wrong the
+//! others are (on an even mesh it can be far smaller than the orbit's own error, which refinement tells).
 
 use crate::linalg::{Lu, Singular, c64};
 use crate::problem::Reflection;

@@ -17,7 +17,7 @@ pub(super) const LIST: &[Observable] = &[
         name: "energy",
         unit: "pN µm",
         meaning: "elastic energy: bending, shear and normal springs (their cubic part only in law = \"separation\", \
-                  where it has a potential)",
+                  where it has a potential; exact to second order in the angles, for h is measured along the lines)",
     },
     Observable { name: "base_tension_1", unit: "pN", meaning: "tension of doublet 1 at the base" },
     Observable { name: "base_tension_2", unit: "pN", meaning: "tension of doublet 2 at the base" },
