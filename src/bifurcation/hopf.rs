@@ -27,6 +27,8 @@ pub struct Hopf {
     pub w: Vec<c64>,
     /// d sigma / dp along the branch of equilibria, p being the free parameter.
     pub slope: c64,
+    /// The last Newton step in p and omega: what rounding leaves open (residual times condition).
+    pub rounding: (f64, f64),
 }
 
 #[derive(Debug, Error, PartialEq)]
@@ -69,6 +71,7 @@ impl Hopf {
             }
             hopf.p[free] += dp;
             hopf.omega += domega;
+            hopf.rounding = (dp.abs(), domega.abs());
             size_p = size_p.max(hopf.p[free].abs()).max(f64::MIN_POSITIVE);
             let size = (dp / size_p).abs().max((domega / hopf.omega).abs());
             // Rounding is reached when steps stop shrinking.

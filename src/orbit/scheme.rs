@@ -3,7 +3,7 @@
 //! With nodes `x_l = (1 - cos(pi l / m)) / 2` and Lagrange polynomials `L_l` of degree m on [0, 1], collocation at the
 //! m Gauss points makes mesh-point values exact to order 2m (de Boor and Swartz 1973, doi:10.1137/0710052). But it
 //! maps a fast decaying mode to its (-1)^m-fold in every interval, so that stiff modes get Floquet multipliers near
-//! the unit circle instead of near zero (0.98 instead of 1e-1000000 has been seen). The right Radau points
+//! the unit circle instead of zero (0.98 has been seen for a mode that dies out at once). The right Radau points
 //! damp such modes as they should, at order 2m - 1 (Hairer and Wanner 1996, doi:10.1007/978-3-642-05221-7, IV.5).
 
 use serde::{Deserialize, Serialize};

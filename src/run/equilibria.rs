@@ -351,12 +351,22 @@ fn estimate(
             (None, measure(prepared, &fine, &settled, leading))
         }
     };
+    // Where refinement moves a number by less than rounding does, rounding is its error.
+    let rounding = match &sample.mark {
+        Some(Mark::Hopf(found)) => found.0.rounding,
+        _ => (0.0, 0.0),
+    };
     if let Some(lambda) = lambda {
-        point.errors.insert(prepared.free_name.clone(), error(sample.point.lambda, lambda));
+        point.errors.insert(prepared.free_name.clone(), error(sample.point.lambda, lambda).max(rounding.0));
     }
     for (name, &value) in &point.values {
         if let Some(&fine) = values.get(name).filter(|fine| **fine != 0.0 || value != 0.0) {
-            point.errors.insert(name.clone(), error(value, fine));
+            let floor = match name.as_str() {
+                "omega" => rounding.1,
+                "frequency" => rounding.1 / (2.0 * PI),
+                _ => 0.0,
+            };
+            point.errors.insert(name.clone(), error(value, fine).max(floor));
         }
     }
 }
