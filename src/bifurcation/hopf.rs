@@ -51,8 +51,15 @@ impl Hopf {
         q: &[c64],
     ) -> Result<Self, HopfError> {
         let n = problem.dim();
-        let mut hopf =
-            Self { u: u.to_vec(), p: p.to_vec(), omega, q: q.to_vec(), w: q.to_vec(), slope: c64::new(0.0, 0.0) };
+        let mut hopf = Self {
+            u: u.to_vec(),
+            p: p.to_vec(),
+            omega,
+            q: q.to_vec(),
+            w: q.to_vec(),
+            slope: c64::new(0.0, 0.0),
+            rounding: (f64::INFINITY, f64::INFINITY),
+        };
         let mut size_p = p[free].abs();
         let mut last = f64::INFINITY;
         for step in 0..MOST_STEPS {
