@@ -85,8 +85,15 @@ fn execute_run(arguments: cli::Run) -> Result<bool, RunError> {
         resume: arguments.resume,
         quiet: arguments.quiet,
     };
+    for scene in &scenes {
+        run::check(scene, &options.only)?;
+    }
     let mut success = true;
     for scene in &scenes {
+        // A scene that is not begun keeps what an earlier run left of it.
+        if run::INTERRUPTED.load(Ordering::Relaxed) {
+            return Ok(false);
+        }
         let summary = run::run(scene, &options)?;
         print(&summary.table(&options.out.join(&scene.name).display().to_string()))?;
         success &= summary.success();

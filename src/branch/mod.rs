@@ -8,7 +8,7 @@ mod store;
 mod table;
 
 pub use archive::{Array, read_arrays, write_point};
-pub use store::{StoreError, write_atomically};
+pub use store::{StoreError, is_temporary, write_atomically};
 pub use table::{read_branch, write_branch};
 
 use serde::{Deserialize, Serialize};

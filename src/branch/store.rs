@@ -64,11 +64,20 @@ fn replace(
     Ok(())
 }
 
+const PREFIX: &str = ".hopfline-";
+const SUFFIX: &str = ".tmp";
+
+/// Whether a file is one of the temporary ones, which a kill can leave behind.
+pub fn is_temporary(path: &Path) -> bool {
+    let name = path.file_name().and_then(|name| name.to_str());
+    name.is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX))
+}
+
 /// A hidden file that removes itself unless it is renamed. Temporary files are private to the user by default; results
 /// have the permissions of any new file.
 fn temporary_file(folder: &Path) -> io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".hopfline-").suffix(".tmp");
+    builder.prefix(PREFIX).suffix(SUFFIX);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

@@ -1,7 +1,7 @@
 //! The folder of a run: `output/SCENE/` with branches, points, figures, summary and log.
 
 use super::summary::Summary;
-use crate::branch::{Branch, StoreError, write_atomically, write_branch, write_point};
+use crate::branch::{Branch, StoreError, is_temporary, write_atomically, write_branch, write_point};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -13,6 +13,7 @@ impl Folder {
     /// Makes sure that the folder can be written before anything is computed.
     pub fn open(out: &Path, scene: &str) -> Result<Self, StoreError> {
         let folder = Self { root: out.join(scene) };
+        sweep(&folder.root);
         folder.write_log("")?;
         Ok(folder)
     }
@@ -60,6 +61,18 @@ impl Folder {
 
     pub fn write_log(&self, log: &str) -> Result<(), StoreError> {
         write_atomically(&self.path("run.log"), |file| file.write_all(log.as_bytes()))
+    }
+}
+
+/// Removes the temporary files of a run that was killed while it wrote.
+fn sweep(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            sweep(&path);
+        } else if is_temporary(&path) {
+            remove(&path);
+        }
     }
 }
 

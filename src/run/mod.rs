@@ -96,6 +96,11 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
     Ok(Ready { scene, study, tasks })
 }
 
+/// Whether a scene can be run: its model, and all that its tasks and figures name.
+pub fn check(scene: &Scene, only: &[String]) -> Result<(), RunError> {
+    ready(scene, only).map(drop)
+}
+
 /// Cycles start at a Hopf point of a branch of equilibria.
 fn check_start(scene: &Scene, cycles: &crate::scene::Cycles) -> Result<(), SceneError> {
     let source = Label::parse(&cycles.from).and_then(|label| {

@@ -80,13 +80,16 @@ impl Keeper {
         }
     }
 
-    /// Keeps a state, if the last one is old enough or the task stops here. Failure to write is no reason to stop: the
-    /// run itself goes on.
-    pub fn keep(&self, task: &str, stopping: bool, checkpoint: impl FnOnce() -> Checkpoint) {
-        if !stopping && self.last.get().is_some_and(|last| last.elapsed() < INTERVAL) {
-            return;
-        }
-        self.write(task, State::Midway(Box::new(checkpoint())));
+    /// Whether the last state is old enough to be replaced.
+    pub fn due(&self) -> bool {
+        self.last.get().is_none_or(|last| last.elapsed() >= INTERVAL)
+    }
+
+    /// Keeps the state of a task: its branch must hold all rows up to where the walk is. Failure to write is no reason
+    /// to stop: the run itself goes on.
+    pub fn keep(&self, checkpoint: Checkpoint) {
+        let task = checkpoint.branch.name.clone();
+        self.write(&task, State::Midway(Box::new(checkpoint)));
         self.last.set(Some(Instant::now()));
     }
 

@@ -279,7 +279,18 @@ impl Study {
         for name in &along.observables {
             note(name, &place("observables"))?;
         }
-        for name in along.values.keys() {
+        // Points are located on a column, so that here the name must be one: "max tip_angle" on cycles.
+        let columns: Vec<String> = if cycles {
+            let extremes = list.iter().flat_map(|o| [format!("max {}", o.name), format!("min {}", o.name)]);
+            ["period".to_owned(), "frequency".to_owned()].into_iter().chain(extremes).collect()
+        } else {
+            list.iter().map(|o| o.name.to_owned()).collect()
+        };
+        for name in along.values.keys().filter(|name| **name != along.free) {
+            if !columns.contains(name) {
+                let known = std::iter::once(along.free.as_str()).chain(columns.iter().map(String::as_str));
+                return Err(scene.fault(&place("values"), Fault::unknown("column to find values on", name, known)));
+            }
             note(name, &place("values"))?;
         }
         for figure in scene.figures.iter().filter(|f| f.kind == "diagram" && f.tasks.contains(&task.name)) {

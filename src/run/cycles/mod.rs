@@ -110,16 +110,19 @@ impl Cycles<'_> {
         let mut walk = Walk::resume(&mut system, state, (low, high));
         loop {
             let stopping = interrupted();
-            if self.pending.len() >= BATCH || stopping {
+            let keeping = stopping || keeper.due();
+            if self.pending.len() >= BATCH || keeping {
                 self.make_rows(counts);
             }
-            keeper.keep(&self.branch.name.clone(), stopping, || Checkpoint {
-                branch: self.branch.clone(),
-                orbit: walk.system.orbit(&walk.state.point.x),
-                walk: walk.state.clone(),
-                counts: *counts,
-                seconds: before + start.elapsed().as_secs_f64(),
-            });
+            if keeping {
+                keeper.keep(Checkpoint {
+                    branch: self.branch.clone(),
+                    orbit: walk.system.orbit(&walk.state.point.x),
+                    walk: walk.state.clone(),
+                    counts: *counts,
+                    seconds: before + start.elapsed().as_secs_f64(),
+                });
+            }
             if stopping {
                 return Ok(Stop::Interrupted);
             }
@@ -128,13 +131,15 @@ impl Cycles<'_> {
                 return Ok(Stop::MaxPoints);
             }
             let before_step = walk.counts;
+            // Taken before the step, which may move the mesh; its row may be made already.
+            let here = Pending::new(&*walk.system, &walk.state.point, None, Some(Kind::MX));
             let step = match walk.step() {
                 Ok(step) => step,
                 Err(stop) => {
-                    if let Some(last) = self.pending.last_mut() {
-                        last.kind = last.kind.or(Some(Kind::MX));
-                    }
                     self.make_rows(counts);
+                    if self.branch.rows.last().is_some_and(|row| row.label.is_none()) {
+                        self.name_last_row(&here, Kind::MX);
+                    }
                     return Ok(stop);
                 }
             };
@@ -232,15 +237,8 @@ impl Cycles<'_> {
 
     /// Notes an accepted point; rows are made later.
     fn push(&mut self, system: &Collocation, point: &Point, factors: &OrbitFactors, kind: Option<Kind>) {
-        self.pending.push(Pending {
-            lambda: point.lambda,
-            tangent_lambda: point.tangent_lambda,
-            orbit: system.orbit(&point.x),
-            tangent: system.orbit(&point.tangent),
-            frame: system.frame.clone(),
-            transition: (self.task.multipliers > 0).then(|| factors.transition().to_owned()),
-            kind,
-        });
+        let transition = (self.task.multipliers > 0).then(|| factors.transition().to_owned());
+        self.pending.push(Pending::new(system, point, transition, kind));
     }
 
     /// Points between two accepted ones where the parameter, the period or an observable's extreme is as wanted.

@@ -6,7 +6,7 @@ use super::super::study::Prepared;
 use super::super::wave;
 use super::Cycles;
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
-use crate::continuation::{Border, Counts, Factored, System};
+use crate::continuation::{Border, Counts, Factored, Point, System};
 use crate::orbit::{Collocation, Frame, Orbit, multipliers};
 use crate::problem::{Problem, Reflection};
 use crate::scene;
@@ -25,6 +25,20 @@ pub struct Pending {
     /// The condensed rows that multipliers come from, where they are asked for.
     pub transition: Option<Mat<f64>>,
     pub kind: Option<Kind>,
+}
+
+impl Pending {
+    pub fn new(system: &Collocation, point: &Point, transition: Option<Mat<f64>>, kind: Option<Kind>) -> Self {
+        Self {
+            lambda: point.lambda,
+            tangent_lambda: point.tangent_lambda,
+            orbit: system.orbit(&point.x),
+            tangent: system.orbit(&point.tangent),
+            frame: system.frame.clone(),
+            transition,
+            kind,
+        }
+    }
 }
 
 /// A branch without rows: its columns are what the task asks for.
@@ -121,7 +135,7 @@ impl Cycles<'_> {
     }
 
     /// Makes the last row a special point.
-    fn name_last_row(&mut self, point: &Pending, kind: Kind) {
+    pub fn name_last_row(&mut self, point: &Pending, kind: Kind) {
         let Pending { orbit, tangent, frame, .. } = point;
         let mut p = frame.p.clone();
         p[frame.free] = point.lambda;
