@@ -1,0 +1,129 @@
+//! The commands beside `run`, and its options.
+
+use super::{Desk, point, task};
+use std::fs;
+
+#[test]
+fn check_tells_the_plan_and_computes_nothing() {
+    let desk = Desk::with_small(&[]);
+    let plan = desk.succeed(&["check", "small.toml"]);
+    for word in [
+        "model two-doublet with 20 unknowns",
+        "b_N",
+        "= tau_c * k_N",
+        "(free)",
+        "task straight: equilibria in p from 340 to 400",
+        "computed: Hopf points",
+        "left out: folds",
+        "task beat: cycles in p",
+        "6 intervals of degree 3",
+        "left out: the second half of each period",
+    ] {
+        assert!(plan.contains(word), "no {word:?} in {plan}");
+    }
+    let plan = desk.succeed(&["check", "small.toml", "--set", "parameters.k_3N=0"]);
+    assert!(plan.contains("terms left out, their coefficient being zero: k_3N"), "{plan}");
+    assert_eq!(desk.files(""), ["small.toml"]);
+}
+
+#[test]
+fn models_are_listed_and_described() {
+    let desk = Desk::new();
+    assert!(desk.succeed(&["models"]).starts_with("two-doublet "));
+    let text = desk.succeed(&["models", "two-doublet"]);
+    for word in ["functions", "\"uniform\" | \"distal\"", "k_N", "10000", "pN µm⁻²", ">= 0", "s0", "tip_deflection"]
+    {
+        assert!(text.contains(word), "no {word:?} in {text}");
+    }
+}
+
+#[test]
+fn a_new_scene_passes_and_runs() {
+    let desk = Desk::new();
+    assert_eq!(desk.succeed(&["new", "study", "--model", "two-doublet"]), "study.toml\n");
+    desk.succeed(&["check", "study.toml"]);
+    // Coarser and shorter than it is written, to be quick.
+    let table = desk.succeed(&[
+        "run",
+        "study.toml",
+        "--quiet",
+        "--set",
+        "model.functions=10",
+        "--set",
+        "task.straight.range=[340, 400]",
+        "--set",
+        "task.beat.range=[340, 352]",
+        "--set",
+        "task.beat.intervals=6",
+        "--set",
+        "task.beat.degree=3",
+    ]);
+    assert!(table.contains("straight/HB1") && table.contains("beat/EP1"), "{table}");
+    let again = desk.hopfline(&["new", "study", "--model", "two-doublet"]);
+    assert!(again.code == Some(2) && again.stderr.contains("study.toml"), "it was overwritten: {}", again.stderr);
+}
+
+#[test]
+fn completions_are_a_script() {
+    let script = Desk::new().succeed(&["completions", "bash"]);
+    assert!(script.contains("complete -F _hopfline"), "{script}");
+    for word in ["run", "check", "--resume", "--threads"] {
+        assert!(script.contains(word), "{word}");
+    }
+}
+
+#[test]
+fn plot_draws_the_same_figures_again() {
+    let desk = Desk::with_small(&[]);
+    desk.succeed(&["run", "small.toml", "--quiet"]);
+    let figures = ["diagram", "eigenvalues", "shape"].map(|name| format!("output/small/figures/{name}.svg"));
+    let read = || figures.clone().map(|path| fs::read_to_string(desk.path(&path)).unwrap());
+    let first = read();
+    figures.iter().for_each(|path| fs::remove_file(desk.path(path)).unwrap());
+    let printed = desk.succeed(&["plot", "output/small"]);
+    assert_eq!(printed.lines().count(), 3, "{printed}");
+    for (name, (first, again)) in figures.iter().zip(first.iter().zip(read())) {
+        assert!(*first == again, "{name} is drawn differently from stored data");
+    }
+}
+
+#[test]
+fn set_changes_one_value() {
+    let desk = Desk::with_small(&[]);
+    let run = ["run", "small.toml", "--quiet", "--only", "straight"];
+    desk.succeed(&run);
+    let threshold = || {
+        let summary = desk.summary("output/small");
+        point(&summary, "straight/HB1").unwrap()["parameters"]["p"].as_f64().unwrap()
+    };
+    let before = threshold();
+    desk.succeed(&[&run[..], &["--set", "parameters.k_N=11000", "--set", "title=\"Stiffer\""]].concat());
+    let summary = desk.summary("output/small");
+    assert_eq!(summary["title"], "Stiffer");
+    assert_eq!(point(&summary, "straight/HB1").unwrap()["parameters"]["k_N"], 11000.0);
+    assert!((threshold() - before).abs() > 1e-3);
+    desk.succeed(&[&run[..], &["--set", "parameters.k_N=2 * k_T + 8000"]].concat());
+    assert_eq!(threshold(), before, "the tie gives the same stiffness");
+}
+
+#[test]
+fn only_computes_a_task_and_what_it_starts_from() {
+    let desk = Desk::with_small(&[]);
+    desk.succeed(&["run", "small.toml", "--quiet", "--only", "straight"]);
+    let names = |summary: &serde_json::Value| -> Vec<String> {
+        summary["tasks"].as_array().unwrap().iter().map(|t| t["name"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(names(&desk.summary("output/small")), ["straight"]);
+    assert!(!desk.files("output/small").iter().any(|name| name.contains("beat")));
+    desk.succeed(&["run", "small.toml", "--quiet", "--only", "beat"]);
+    let summary = desk.summary("output/small");
+    assert_eq!(names(&summary), ["straight", "beat"]);
+    assert_eq!(task(&summary, "beat")["status"], "done");
+}
+
+#[test]
+fn progress_is_silent_in_a_pipe() {
+    let desk = Desk::with_small(&[]);
+    let finished = desk.hopfline(&["run", "small.toml", "--only", "straight"]);
+    assert_eq!((finished.code, finished.stderr.as_str()), (Some(0), ""));
+}
