@@ -43,7 +43,7 @@ pub fn of_mode(prepared: &Prepared, point: &mut SpecialPoint) {
     let extent = rest.iter().flatten().fold(0.0_f64, |a, b| a.max(b.abs()));
     let points = moved.iter().flat_map(|picture| picture.iter().zip(&rest));
     let largest = points.map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f64::max);
-    if largest.partial_cmp(&0.0) != Some(std::cmp::Ordering::Greater) {
+    if largest.is_nan() || largest <= 0.0 {
         return;
     }
     let scale = MODE_SIZE * extent / largest;

@@ -71,7 +71,7 @@ fn bad_overrides_are_named() {
         ),
         (
             "task.beat.rnage=[0, 1]",
-            "problems/good.toml: --set task.beat.rnage=[0, 1]: task.beat.rnage: unknown key \"rnage\" (did you mean \"range\"?); allowed: name, kind, free, range, values, max_step, max_points, observables, errors, spectrum, detect, from, intervals, degree, multipliers, symmetry",
+            "problems/good.toml: --set task.beat.rnage=[0, 1]: task.beat.rnage: unknown key \"rnage\" (did you mean \"range\"?); allowed: name, kind, free, range, values, max_step, max_points, observables, errors, spectrum, detect, from, intervals, degree, points, multipliers, symmetry",
         ),
         (
             "task.beat.range=[3, 1]",
