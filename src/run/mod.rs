@@ -125,7 +125,9 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
     let ready = ready(scene, &options.only)?;
     let folder = Folder::open(&options.out, &scene.name)?;
     let watch = Watch::new(options.quiet);
-    let keeper = Keeper::new(folder.path("resume"), format!("{scene:?}"), options.resume);
+    // The scene, wherever its file lies.
+    let identity = format!("{:?}", Scene { path: PathBuf::new(), ..scene.clone() });
+    let keeper = Keeper::new(folder.path("resume"), identity, options.resume);
     if !options.resume {
         folder.clear(ready.tasks.iter().map(|(task, _)| task.name.as_str()))?;
     }
