@@ -47,12 +47,12 @@ const MOST_HALVINGS: usize = 12;
 /// Eigenvalues closer than this part of the visible height need not be told apart.
 const BLUR: f64 = 0.002;
 /// Corners larger than this part of the spectrum's visible height are smoothed, by so many rounds of halving.
-const CORNER: f64 = 0.004;
-const MOST_REFINEMENTS: usize = 3;
+const CORNER: f64 = 0.006;
+const MOST_REFINEMENTS: usize = 2;
 /// Pairs that stay closer than this part of the spectrum's visible height over a whole step are not looked at.
 const VISIBLE: f64 = 0.01;
 /// Where the curves of real and imaginary parts bend like a square root, points stand at these fractions of the gap.
-const GRADES: [f64; 3] = [1.0 / 128.0, 1.0 / 24.0, 1.0 / 5.0];
+const GRADES: [f64; 3] = [1.0 / 100.0, 1.0 / 20.0, 1.0 / 5.0];
 
 impl<'a> Spectra<'a> {
     /// Computes all samples' eigenvalues, in parallel.
@@ -128,7 +128,7 @@ impl<'a> Spectra<'a> {
                 Ok(found) => {
                     let near = [&samples[i - 1], &samples[i]];
                     let located = near.iter().any(|s| matches!(s.mark, Some(Mark::Exceptional(_))));
-                    let edge = values[0].re - height(2 * self.wanted);
+                    let edge = values[0].re - height(self.wanted);
                     let visible = found.coalesced.iter().find(|(j, _)| found.values[*j].re >= edge);
                     let mut added = 0;
                     if let Some(&(j, k)) = visible.filter(|_| !located) {
@@ -163,12 +163,17 @@ impl<'a> Spectra<'a> {
             let real = |k: usize| samples.iter().map(move |s| s.followed[k].re);
             let top = shown.iter().flat_map(|&k| real(k)).fold(f64::NEG_INFINITY, f64::max);
             let bottom = samples.iter().filter_map(|s| s.values.get(self.wanted - 1)).map(|z| z.re).fold(top, f64::min);
+            let turning = samples.iter().flat_map(|s| shown.iter().map(move |&k| s.followed[k]));
+            let wide = turning.filter(|z| z.re >= bottom).map(|z| 2.0 * z.im.abs()).fold(0.0, f64::max);
+            // Each part is drawn in a panel of its own height.
+            let sizes = (CORNER * (top - bottom), CORNER * wide);
             let bent: Vec<usize> = (1..samples.len())
                 .filter(|&i| {
-                    let miss = |j: usize, k: usize| corner(&samples[j - 1], &samples[j], &samples[j + 1], k);
-                    let inner = [i - 1, i].into_iter().filter(|j| (1..samples.len() - 1).contains(j));
-                    let worst = inner.flat_map(|j| shown.iter().map(move |&k| miss(j, k))).fold(0.0, f64::max);
-                    worst > CORNER * (top - bottom)
+                    let mut inner = [i - 1, i].into_iter().filter(|j| (1..samples.len() - 1).contains(j));
+                    inner.any(|j| {
+                        let near = (&samples[j - 1], &samples[j], &samples[j + 1]);
+                        shown.iter().any(|&k| near.1.followed[k].re >= bottom && bends(near, k, sizes))
+                    })
                 })
                 .collect();
             let added: Result<Vec<Sample>, Failure> = bent
@@ -279,7 +284,7 @@ impl<'a> Spectra<'a> {
         for _ in 0..30 {
             let theta = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
             let here = discriminant(theta, counts)?;
-            if here.abs() < 1e-11 * scale || (high.0 - low.0).abs() < 1e-12 {
+            if here.abs() < 1e-10 * scale || (high.0 - low.0).abs() < 1e-12 {
                 return Ok(Some(theta));
             }
             if here * high.1 < 0.0 {
@@ -354,11 +359,12 @@ fn middle(a: &Sample, b: &Sample) -> Vec<c64> {
     a.followed.iter().zip(&b.followed).map(|(x, y)| 0.5 * (x + y)).collect()
 }
 
-/// How far the middle of three samples lies off the straight line between its neighbours, in branch k.
-fn corner(a: &Sample, b: &Sample, c: &Sample, k: usize) -> f64 {
+/// Whether the middle of three samples lies off the straight line between its neighbours, in branch k, by more than
+/// `sizes` in its real or imaginary part.
+fn bends((a, b, c): (&Sample, &Sample, &Sample), k: usize, sizes: (f64, f64)) -> bool {
     let (left, right) = ((b.point.lambda - a.point.lambda).abs(), (c.point.lambda - b.point.lambda).abs());
-    let (x, y, z) = (a.followed[k], b.followed[k], c.followed[k]);
-    if left + right == 0.0 { 0.0 } else { (y - (x * right + z * left) / (left + right)).norm() }
+    let off = b.followed[k] - (a.followed[k] * right + c.followed[k] * left) / (left + right);
+    off.re.abs() > sizes.0 || off.im.abs() > sizes.1
 }
 
 /// Branches by linear extrapolation from the last two samples; the last values where a pair was just born or died.
