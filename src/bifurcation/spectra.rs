@@ -89,7 +89,11 @@ impl<'a> Spectra<'a> {
     fn at(&self, point: &Point, counts: &mut Counts) -> Result<Vec<c64>, Failure> {
         counts.spectra += 1;
         let pairs = self.system.spectrum(&point.x, point.lambda, self.shift, 0)?;
-        Ok(pairs.iter().take(4 * self.wanted + 8).map(|pair| pair.value).collect())
+        Ok(pairs.iter().take(self.looked_at()).map(|pair| pair.value).collect())
+    }
+
+    fn looked_at(&self) -> usize {
+        4 * self.wanted + 8
     }
 
     /// The rightmost eigenvalue's vector.
@@ -219,7 +223,7 @@ impl<'a> Spectra<'a> {
         counts: &mut Counts,
     ) -> Result<usize, Failure> {
         let (a, b) = (samples[i - 1].point.clone(), samples[i].point.clone());
-        let Some(theta) = self.coalescence(self.system, (&a, &b), mean, counts)? else { return Ok(0) };
+        let Some(theta) = self.coalescence((&samples[i - 1], &samples[i]), mean, counts)? else { return Ok(0) };
         let left = GRADES.iter().rev().map(|g| (theta * (1.0 - g), false));
         let right = GRADES.iter().map(|g| (theta + (1.0 - theta) * g, false));
         let lambda = a.lambda + theta * (b.lambda - a.lambda);
@@ -247,43 +251,21 @@ impl<'a> Spectra<'a> {
     }
 
     /// The fraction of the step from a to b at which the pair nearest to `mean` coalesces: the root of its
-    /// discriminant `((s1 - s2)/2)²`, which is smooth there. None if it has the same sign at both ends.
-    pub fn coalescence(
-        &self,
-        system: &Equilibria,
-        (a, b): (&Point, &Point),
-        mean: f64,
-        counts: &mut Counts,
-    ) -> Result<Option<f64>, Failure> {
-        let mut centre = mean;
-        let mut discriminant = |theta: f64, counts: &mut Counts| -> Result<f64, Failure> {
-            let point = at_fraction(system, (a, b), theta, counts)?.point;
-            counts.spectra += 1;
-            let values: Vec<c64> =
-                system.spectrum(&point.x, point.lambda, self.shift, 0)?.iter().map(|pair| pair.value).collect();
-            // The two that are closest to each other for their distance from the last mean.
-            let mut best = (f64::INFINITY, 0.0, centre);
-            for (j, x) in values.iter().enumerate().take(4 * self.wanted + 8) {
-                for y in &values[..j] {
-                    let (sum, half) = (0.5 * (x + y), 0.5 * (x - y));
-                    let alike = sum.im.abs() <= 1e-9 * sum.norm();
-                    let far = half.norm() + (sum.re - centre).abs();
-                    if alike && far < best.0 {
-                        best = (far, half.re * half.re - half.im * half.im, sum.re);
-                    }
-                }
-            }
-            centre = best.2;
-            Ok(best.1)
-        };
-        let (mut low, mut high) = ((0.0_f64, discriminant(0.0, counts)?), (1.0_f64, discriminant(1.0, counts)?));
+    /// [`discriminant`], which is smooth there. None if it has the same sign at both ends.
+    fn coalescence(&self, (a, b): (&Sample, &Sample), mean: f64, counts: &mut Counts) -> Result<Option<f64>, Failure> {
+        let look = |values: &[c64], centre: f64| discriminant(&values[..values.len().min(self.looked_at())], centre);
+        let (start, end) = (look(&a.values, mean), look(&b.values, mean));
+        let (mut low, mut high) = ((0.0_f64, start.0), (1.0_f64, end.0));
         if low.1 * high.1 > 0.0 {
             return Ok(None);
         }
         let scale = low.1.abs().max(high.1.abs());
+        let mut centre = mean;
         for _ in 0..30 {
             let theta = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
-            let here = discriminant(theta, counts)?;
+            let point = at_fraction(self.system, (&a.point, &b.point), theta, counts)?.point;
+            let (here, middle) = look(&self.at(&point, counts)?, centre);
+            centre = middle;
             if here.abs() < 1e-10 * scale || (high.0 - low.0).abs() < 1e-12 {
                 return Ok(Some(theta));
             }
@@ -295,6 +277,41 @@ impl<'a> Spectra<'a> {
             high = (theta, here);
         }
         Ok(Some(high.0))
+    }
+
+    /// Where the exceptional point `sample` lies on another discretisation, `fine`, of the same system: secant steps
+    /// on the discriminant along the step between the same neighbours' parameters, from where it lies on this one.
+    pub fn exceptional_on(
+        &self,
+        fine: &Equilibria,
+        (a, sample, b): (&Sample, &Sample, &Sample),
+        settle: impl Fn(&Point) -> Option<Point>,
+        mean: f64,
+    ) -> Option<f64> {
+        let ends = (settle(&a.point)?, settle(&b.point)?);
+        let mut counts = Counts::default();
+        let mut look = |lambda: f64| {
+            let point = at_lambda(fine, (&ends.0, &ends.1), lambda, &mut counts).ok()?.point;
+            let pairs = fine.spectrum(&point.x, point.lambda, self.shift, 0).ok()?;
+            let values: Vec<c64> = pairs.iter().take(self.looked_at()).map(|pair| pair.value).collect();
+            Some(discriminant(&values, mean).0)
+        };
+        let mean = discriminant(&sample.values, mean).1;
+        let width = (b.point.lambda - a.point.lambda).abs();
+        let slope =
+            (discriminant(&b.values, mean).0 - discriminant(&a.values, mean).0) / (b.point.lambda - a.point.lambda);
+        let mut last = (sample.point.lambda, look(sample.point.lambda)?);
+        let mut step = -last.1 / slope;
+        for _ in 0..8 {
+            let here = (last.0 + step, look(last.0 + step)?);
+            let next = -here.1 * (here.0 - last.0) / (here.1 - last.1);
+            // Rounding in the eigenvalues ends the convergence, above any tolerance set in advance.
+            if next.abs() >= 0.5 * step.abs() && step.abs() <= 1e-6 * width || next.abs() <= 1e-12 * width {
+                return Some(here.0);
+            }
+            (last, step) = (here, next);
+        }
+        None
     }
 
     /// Inserts every Hopf point: a followed pair whose real part changes sign between two samples, solved for on its
@@ -352,6 +369,23 @@ impl<'a> Spectra<'a> {
         sample.values = self.at(&sample.point, counts).ok()?;
         Some(sample)
     }
+}
+
+/// `((s1 - s2)/2)²` of the two eigenvalues with a real mean that are closest to each other for their distance from
+/// `centre`, and their mean.
+fn discriminant(values: &[c64], centre: f64) -> (f64, f64) {
+    let mut best = (f64::INFINITY, 0.0, centre);
+    for (j, x) in values.iter().enumerate() {
+        for y in &values[..j] {
+            let (sum, half) = (0.5 * (x + y), 0.5 * (x - y));
+            let alike = sum.im.abs() <= 1e-9 * sum.norm();
+            let far = half.norm() + (sum.re - centre).abs();
+            if alike && far < best.0 {
+                best = (far, half.re * half.re - half.im * half.im, sum.re);
+            }
+        }
+    }
+    (best.1, best.2)
 }
 
 /// Branches half-way between two samples.

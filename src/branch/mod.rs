@@ -78,6 +78,14 @@ pub struct SpecialPoint {
     pub arrays: BTreeMap<String, Array>,
 }
 
+impl SpecialPoint {
+    /// A point with its name and place, and nothing else yet.
+    pub fn new(label: String, kind: Kind, row: usize) -> Self {
+        let (parameters, values, errors, arrays) = Default::default();
+        Self { label, kind, row, parameters, values, errors, arrays }
+    }
+}
+
 /// A table of solutions along one curve.
 #[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
 pub struct Branch {

@@ -78,26 +78,22 @@ fn follow(
     let marked: Vec<(usize, &Sample, Kind)> = (samples.iter().enumerate())
         .filter_map(|(row, sample)| Some((row, sample, kind(sample.mark.as_ref()?))))
         .collect();
-    let points: Vec<SpecialPoint> = marked
-        .par_iter()
-        .map(|&(row, sample, _)| {
-            let mut point = special(prepared, &system, sample, spectra.as_ref());
-            if along.errors {
-                let neighbours = (samples.get(row.wrapping_sub(1)), samples.get(row + 1));
-                estimate(prepared, &system, sample, neighbours, spectra.as_ref(), &mut point);
-            }
-            point
-        })
-        .collect();
-    for ((row, _, kind), mut point) in marked.into_iter().zip(points) {
+    for &(row, _, kind) in &marked {
         let (short, label) = labels(&branch, kind);
-        (point.label, point.kind, point.row) = (label, kind, row);
-        if prepared.waves.contains(&short) {
-            wave::of_mode(prepared, &mut point);
-        }
         branch.rows[row].label = Some(short);
-        branch.points.push(point);
+        branch.points.push(SpecialPoint::new(label, kind, row));
     }
+    branch.points.par_iter_mut().zip(&marked).for_each(|(point, &(row, sample, _))| {
+        let drawn = branch.rows[row].label.as_ref().is_some_and(|short| prepared.waves.contains(short));
+        describe(prepared, &system, sample, spectra.as_ref().filter(|_| drawn), point);
+        if along.errors {
+            let neighbours = (samples.get(row.wrapping_sub(1)), samples.get(row + 1));
+            estimate(prepared, &system, sample, neighbours, spectra.as_ref(), point);
+        }
+        if drawn {
+            wave::of_mode(prepared, point);
+        }
+    });
     let status = match stop {
         Stop::Interrupted => Status::Interrupted,
         Stop::Stagnation { .. } => Status::Failed,
@@ -256,31 +252,36 @@ fn rates(time: &str) -> (String, String) {
     if time.is_empty() { (String::new(), "rad".to_owned()) } else { (format!("1/{time}"), format!("rad/{time}")) }
 }
 
-fn special(prepared: &Prepared, system: &Equilibria, sample: &Sample, spectra: Option<&Spectra>) -> SpecialPoint {
+/// Fills in what is known of a special point; the mode only where it is drawn or belongs to a Hopf point.
+fn describe(
+    prepared: &Prepared,
+    system: &Equilibria,
+    sample: &Sample,
+    modes: Option<&Spectra>,
+    special: &mut SpecialPoint,
+) {
     let p = prepared.problem.resolve(&system.parameters(sample.point.lambda));
-    let parameters = prepared.problem.parameters().iter().zip(&p).map(|(q, &x)| (q.name.to_owned(), x)).collect();
-    let mut values = measure(prepared, system, &sample.point, sample.values.first().copied());
+    let names = prepared.problem.parameters().iter();
+    special.parameters = names.zip(&p).map(|(q, &x)| (q.name.to_owned(), x)).collect();
+    special.values = measure(prepared, system, &sample.point, sample.values.first().copied());
+    let arrays = &mut special.arrays;
     let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
-    let mut arrays = BTreeMap::from([
-        ("state".to_owned(), vector(sample.point.x.clone())),
-        ("parameters".to_owned(), vector(p)),
-        ("tangent".to_owned(), vector(sample.point.tangent.clone())),
-    ]);
+    arrays.insert("state".to_owned(), vector(sample.point.x.clone()));
+    arrays.insert("parameters".to_owned(), vector(p));
+    arrays.insert("tangent".to_owned(), vector(sample.point.tangent.clone()));
     let mode = match &sample.mark {
         Some(Mark::Hopf(found)) => {
-            values.extend(of_hopf(&found.0, &found.1));
+            special.values.extend(of_hopf(&found.0, &found.1));
             arrays.insert("w_re".to_owned(), vector(found.0.w.iter().map(|z| z.re).collect()));
             arrays.insert("w_im".to_owned(), vector(found.0.w.iter().map(|z| z.im).collect()));
             Some(found.0.q.clone())
         }
-        _ => spectra.and_then(|tool| tool.mode(&sample.point)),
+        _ => modes.and_then(|tool| tool.mode(&sample.point)),
     };
     if let Some(q) = mode {
         arrays.insert("q_re".to_owned(), vector(q.iter().map(|z| z.re).collect()));
         arrays.insert("q_im".to_owned(), vector(q.iter().map(|z| z.im).collect()));
     }
-    let (label, errors) = (String::new(), BTreeMap::new());
-    SpecialPoint { label, kind: Kind::UZ, row: 0, parameters, values, errors, arrays }
 }
 
 /// Observables, and growth and frequency of the leading eigenvalue.
@@ -339,11 +340,9 @@ fn estimate(
             (Some(located.p[system.free]), of_hopf(&located, &form))
         }
         Some(Mark::Exceptional(mean)) => {
-            let ends = (neighbours.0.and_then(|s| settle(&s.point)), neighbours.1.and_then(|s| settle(&s.point)));
-            let ((Some(a), Some(b)), Some(tool)) = (ends, spectra) else { return };
-            let mut counts = Counts::default();
-            let Ok(Some(theta)) = tool.coalescence(&fine, (&a, &b), *mean, &mut counts) else { return };
-            (Some(a.lambda + theta * (b.lambda - a.lambda)), BTreeMap::new())
+            let (Some(a), Some(b), Some(tool)) = (neighbours.0, neighbours.1, spectra) else { return };
+            let Some(lambda) = tool.exceptional_on(&fine, (a, sample, b), settle, *mean) else { return };
+            (Some(lambda), BTreeMap::new())
         }
         _ => {
             let Some(settled) = settle(&sample.point) else { return };
