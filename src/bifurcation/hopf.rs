@@ -93,6 +93,11 @@ impl Hopf {
         if last < 1e-9 { hopf.normalised(problem, free) } else { Err(HopfError::Diverged(last)) }
     }
 
+    /// The same point with its slope along another parameter.
+    pub fn along(self, problem: &dyn Problem, free: usize) -> Result<Self, HopfError> {
+        self.normalised(problem, free)
+    }
+
     /// Eigenvectors and slope at the converged point: `q^H q = 1`, `w^H M q = 1`.
     fn normalised(mut self, problem: &dyn Problem, free: usize) -> Result<Self, HopfError> {
         let frame = Frame::new(problem, &self, free)?;

@@ -20,6 +20,7 @@ use std::collections::BTreeMap;
 pub enum BranchKind {
     Equilibria,
     Cycles,
+    HopfCurve,
 }
 
 /// A named column of a branch, with its unit ("" for a pure number).
@@ -48,6 +49,14 @@ pub enum Kind {
     LP,
     /// Exceptional point: two eigenvalues coalesce, a pair is born or dies on the real axis.
     XP,
+    /// Generalised Hopf (Bautin) point: the first Lyapunov coefficient vanishes.
+    GH,
+    /// Bogdanov-Takens point: the frequency vanishes.
+    BT,
+    /// Zero-Hopf point: a real eigenvalue vanishes, too.
+    ZH,
+    /// Double Hopf point: another pair is on the axis, too.
+    HH,
     /// User value.
     UZ,
     /// End of the branch.

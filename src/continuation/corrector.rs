@@ -29,6 +29,8 @@ pub enum Failure {
 
 /// Newton steps in the metric's norm, in which solutions are of order one, shrink to this.
 const TOLERANCE: f64 = 1e-11;
+/// or, in ill-conditioned systems, to rounding: below this, steps with fresh factors that shrink no more are noise.
+const ROUNDING: f64 = 1e-9;
 /// Steps with old factors go on while they shrink at least this fast.
 const CHORD_RATE: f64 = 0.1;
 const MOST_STEPS: usize = 16;
@@ -68,7 +70,8 @@ pub fn correct<S: System>(
         let rate = size / last;
         // What a linearly convergent iteration still lacks; nothing is known of the rate after one step.
         let left = if step > 1 && rate < 0.5 { size * rate / (1.0 - rate) } else { size };
-        if left < TOLERANCE {
+        let noise = fresh && step > 1 && size < ROUNDING && rate > CHORD_RATE;
+        if left < TOLERANCE || noise {
             let difference: Vec<f64> = x.iter().zip(&start.0).map(|(a, b)| a - b).collect();
             let moved = (&difference[..], lambda - start.1);
             let distance = inner(system, moved, moved).sqrt();

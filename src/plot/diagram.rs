@@ -12,7 +12,7 @@ use super::panel::{EDGE, FOOT, Panel, Title, left_margin};
 use super::placement::{Placement, around};
 use super::style::{ANY, CURVE_WIDTH, DASHED, THIN_WIDTH, faded};
 use super::{PlotError, Spec, no_column, stroke};
-use crate::branch::{Branch, Kind};
+use crate::branch::{Branch, BranchKind, Kind};
 use plotters::style::RGBColor;
 use series::{Run, Series, Stability};
 use std::collections::BTreeSet;
@@ -124,9 +124,11 @@ fn symbols(panel: &Panel, series: &[Series]) -> Vec<Symbol> {
 fn legend(series: &[Series], curves: &[Curve], symbols: &[Symbol]) -> Legend {
     let shown = |wanted: Stability| curves.iter().any(|c| c.stability == wanted);
     let mut styles = Vec::new();
-    for (stability, meaning) in
-        [(Stability::Stable, "stable"), (Stability::Unstable, "unstable"), (Stability::Unknown, "stability unknown")]
-    {
+    let meanings = match series.iter().any(|s| s.branch.kind == BranchKind::HopfCurve) {
+        true => ["supercritical", "subcritical", "criticality unknown"],
+        false => ["stable", "unstable", "stability unknown"],
+    };
+    for (stability, meaning) in [Stability::Stable, Stability::Unstable, Stability::Unknown].into_iter().zip(meanings) {
         if shown(stability) {
             let (colour, width) = pen(stability, ANY);
             let pattern = (stability == Stability::Unstable).then_some(DASHED);

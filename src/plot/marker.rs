@@ -40,6 +40,10 @@ fn kind_of(label: &str) -> Option<Kind> {
         "HB" => Some(Kind::HB),
         "LP" => Some(Kind::LP),
         "XP" => Some(Kind::XP),
+        "GH" => Some(Kind::GH),
+        "BT" => Some(Kind::BT),
+        "ZH" => Some(Kind::ZH),
+        "HH" => Some(Kind::HH),
         "UZ" => Some(Kind::UZ),
         "EP" => Some(Kind::EP),
         "MX" => Some(Kind::MX),
@@ -53,6 +57,10 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
         Kind::HB => Some("Hopf point (HB)"),
         Kind::LP => Some("fold (LP)"),
         Kind::XP => Some("exceptional point (XP)"),
+        Kind::GH => Some("generalised Hopf point (GH)"),
+        Kind::BT => Some("Bogdanov-Takens point (BT)"),
+        Kind::ZH => Some("zero-Hopf point (ZH)"),
+        Kind::HH => Some("double Hopf point (HH)"),
         Kind::UZ => Some("user value (UZ)"),
         Kind::MX => Some("no convergence (MX)"),
         Kind::EP => None,
@@ -63,7 +71,7 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
 pub fn priority(kind: Kind) -> Option<u8> {
     match kind {
         Kind::HB => Some(0),
-        Kind::LP => Some(1),
+        Kind::LP | Kind::GH | Kind::BT | Kind::ZH | Kind::HH => Some(1),
         Kind::MX => Some(2),
         Kind::UZ => Some(3),
         Kind::XP => Some(4),
@@ -86,6 +94,20 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
         }
         Kind::LP => solid(canvas, &shape(&SQUARE)),
         Kind::UZ => solid(canvas, &shape(&TRIANGLE)),
+        Kind::GH => {
+            canvas.disc(at, 4.6, INK)?;
+            canvas.disc(at, 3.4, WHITE)?;
+            canvas.disc(at, 1.5, INK)
+        }
+        Kind::BT => solid(canvas, &shape(&STANDING)),
+        Kind::ZH => {
+            canvas.fill(&shape(&SQUARE), WHITE)?;
+            canvas.line(&shape(&SQUARE), 1.1, INK)
+        }
+        Kind::HH => {
+            canvas.disc(at, 4.6, INK)?;
+            canvas.disc(at, 3.4, WHITE)
+        }
         Kind::XP => {
             let diamond = shape(&DIAMOND);
             canvas.fill(&diamond, WHITE)?;
@@ -105,6 +127,7 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
 
 const SQUARE: [Point; 5] = [(-3.3, -3.3), (3.3, -3.3), (3.3, 3.3), (-3.3, 3.3), (-3.3, -3.3)];
 const TRIANGLE: [Point; 4] = [(0.0, -4.2), (3.9, 3.0), (-3.9, 3.0), (0.0, -4.2)];
+const STANDING: [Point; 5] = [(0.0, -4.6), (4.6, 0.0), (0.0, 4.6), (-4.6, 0.0), (0.0, -4.6)];
 const DIAMOND: [Point; 5] = [(0.0, -4.2), (4.2, 0.0), (0.0, 4.2), (-4.2, 0.0), (0.0, -4.2)];
 
 /// A filled shape with a white rim, which sets it off from the curve.

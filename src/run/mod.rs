@@ -5,9 +5,11 @@ mod describe;
 mod equilibria;
 mod figures;
 mod files;
+mod hopf_curve;
 mod outcome;
 mod plan;
 mod resume;
+mod start;
 mod study;
 mod summary;
 mod template;
@@ -23,7 +25,7 @@ pub use watch::INTERRUPTED;
 
 use crate::branch::{Branch, StoreError};
 use crate::plot::PlotError;
-use crate::scene::{Fault, Label, Place, Scene, SceneError, Task, TaskKind};
+use crate::scene::{Fault, Place, Scene, SceneError, Task, TaskKind};
 use files::Folder;
 use outcome::{Outcome, Status};
 use resume::Keeper;
@@ -78,15 +80,15 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
     let mut wanted: BTreeSet<&str> = if only.is_empty() { names.iter().copied().collect() } else { BTreeSet::new() };
     wanted.extend(only.iter().map(String::as_str));
     for task in scene.tasks.iter().rev() {
-        if let (TaskKind::Cycles(cycles), true) = (&task.kind, wanted.contains(task.name.as_str())) {
-            wanted.extend(cycles.from.split('/').next());
+        if let (Some((from, _)), true) = (task.kind.from(), wanted.contains(task.name.as_str())) {
+            wanted.extend(from.split('/').next());
         }
     }
     let mut tasks = Vec::new();
     for task in &scene.tasks {
         let prepared = study.prepare(scene, task)?;
-        if let TaskKind::Cycles(cycles) = &task.kind {
-            check_start(scene, cycles)?;
+        if let Some((from, at)) = task.kind.from() {
+            start::check(scene, from, at)?;
         }
         if wanted.contains(task.name.as_str()) {
             tasks.push((task, prepared));
@@ -99,24 +101,6 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
 /// Whether a scene can be run: its model, and all that its tasks and figures name.
 pub fn check(scene: &Scene, only: &[String]) -> Result<(), RunError> {
     ready(scene, only).map(drop)
-}
-
-/// Cycles start at a Hopf point of a branch of equilibria.
-fn check_start(scene: &Scene, cycles: &crate::scene::Cycles) -> Result<(), SceneError> {
-    let source = Label::parse(&cycles.from).and_then(|label| {
-        let task = scene.tasks.iter().find(|task| task.name == label.task)?;
-        Some((label.kind == "HB", matches!(task.kind, TaskKind::Equilibria(_))))
-    });
-    match source {
-        Some((true, true)) => Ok(()),
-        _ => Err(scene.refuse(
-            &cycles.from_at,
-            format!(
-                "cycles start at a Hopf point of a task of kind \"equilibria\", such as \"TASK/HB1\", not at {:?}",
-                cycles.from
-            ),
-        )),
-    }
 }
 
 /// Runs a scene and writes everything; the summary says whether all went well.
@@ -164,19 +148,23 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
 }
 
 fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper, watch: &Watch) -> Outcome {
+    let points = || before.iter().flat_map(|outcome| &outcome.branch.points);
+    let source = |label: &str| {
+        points().find(|point| point.label == label).ok_or_else(|| {
+            let found: Vec<&str> = points().map(|point| point.label.as_str()).collect();
+            format!("there is no {label}; found were: {}", found.join(", "))
+        })
+    };
     match &task.kind {
         TaskKind::Equilibria(equilibria) => equilibria::run(prepared, &task.name, equilibria, watch),
-        TaskKind::Cycles(cycles) => {
-            let points = before.iter().flat_map(|outcome| &outcome.branch.points);
-            match points.clone().find(|point| point.label == cycles.from) {
-                Some(from) => cycles::run(prepared, &task.name, cycles, from, keeper, watch),
-                None => {
-                    let found: Vec<&str> = points.map(|point| point.label.as_str()).collect();
-                    let reason = format!("there is no {}; found were: {}", cycles.from, found.join(", "));
-                    Outcome::failed(cycles::empty(prepared, &task.name, cycles), reason)
-                }
-            }
-        }
+        TaskKind::Cycles(cycles) => match source(&cycles.from) {
+            Ok(from) => cycles::run(prepared, &task.name, cycles, from, keeper, watch),
+            Err(reason) => Outcome::failed(cycles::empty(prepared, &task.name, cycles), reason),
+        },
+        TaskKind::HopfCurve(curve) => match source(&curve.from) {
+            Ok(from) => hopf_curve::run(prepared, &task.name, curve, from, watch),
+            Err(reason) => Outcome::failed(hopf_curve::empty(prepared, &task.name, curve), reason),
+        },
     }
 }
 

@@ -13,7 +13,10 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
     let parameters = ready.study.parameters();
     for (name, value, unit, tie) in &parameters {
         let tie = tie.as_ref().map_or(String::new(), |tie| format!("  = {tie}"));
-        let free = ready.tasks.iter().any(|(_, prepared)| &prepared.free_name == name);
+        let free = ready.tasks.iter().any(|(task, _)| {
+            let along = task.kind.along();
+            &along.free == name || along.others.iter().any(|axis| &axis.name == name)
+        });
         let note = if free { "  (free)" } else { "" };
         let _ = writeln!(out, "  {name:6} {value:12} {unit}{tie}{note}");
     }
@@ -23,8 +26,15 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
     }
     for (task, prepared) in &ready.tasks {
         let along = task.kind.along();
-        let (from, to) = (along.range.from, along.range.to);
-        let _ = writeln!(out, "task {}: {} in {} from {from} to {to}", task.name, task.kind.name(), along.free);
+        let others = along.others.iter().map(|axis| (&axis.name, axis.range.as_ref()));
+        let free: Vec<String> = others
+            .chain([(&along.free, Some(&along.range))])
+            .map(|(name, range)| match range {
+                Some(range) => format!("{name} from {} to {}", range.from, range.to),
+                None => name.clone(),
+            })
+            .collect();
+        let _ = writeln!(out, "task {}: {} in {}", task.name, task.kind.name(), free.join(" and "));
         let yes_no = |flag: bool, what: String, why: &str| {
             if flag { format!("  computed: {what}\n") } else { format!("  left out: {what} ({why})\n") }
         };
@@ -36,6 +46,14 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                     &yes_no(count > 0, format!("{count} leading eigenvalues at every point"), "no spectrum, no detect");
                 out += &yes_no(detect, "Hopf points with their normal form".into(), "detect has no HB");
                 out += &yes_no(e.detect.iter().any(|k| k == "LP"), "folds".into(), "detect has no LP");
+            }
+            TaskKind::HopfCurve(curve) => {
+                let _ = writeln!(
+                    out,
+                    "  computed: Hopf points from {}, both ways along the curve, with their normal form",
+                    curve.from
+                );
+                out += "  computed: points of codimension two (GH, BT, ZH, HH)\n";
             }
             TaskKind::Cycles(c) => {
                 let points = if c.gauss { "Gauss" } else { "Radau" };

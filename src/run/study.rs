@@ -62,10 +62,19 @@ pub struct Prepared {
     pub free: usize,
     pub free_name: String,
     pub free_unit: String,
+    /// The positions of the free parameters before it, where several are.
+    pub others: Vec<usize>,
     /// Observables wanted as columns, in the model's order.
     pub observables: Vec<usize>,
     /// Labels ("UZ1") whose waveform a figure draws.
     pub waves: BTreeSet<String>,
+}
+
+impl Prepared {
+    /// The position of the first free parameter.
+    pub fn first(&self) -> usize {
+        self.others.first().copied().unwrap_or(self.free)
+    }
 }
 
 impl Study {
@@ -150,7 +159,7 @@ impl Study {
     }
 
     fn check_values(&self, scene: &Scene) -> Result<(), SceneError> {
-        let tied = self.problem(usize::MAX);
+        let tied = self.problem(&[]);
         let p = tied.resolve(&self.values);
         for tie in &self.ties {
             let q = &self.model.parameters()[tie.target];
@@ -164,10 +173,10 @@ impl Study {
         Ok(())
     }
 
-    /// The problem with all ties but that of the free parameter.
-    fn problem(&self, free: usize) -> Tied {
+    /// The problem with all ties but those of the free parameters.
+    fn problem(&self, free: &[usize]) -> Tied {
         let list = self.model.parameters();
-        let ties = self.ties.iter().filter(|tie| tie.target != free).map(|tie| {
+        let ties = self.ties.iter().filter(|tie| !free.contains(&tie.target)).map(|tie| {
             let find = |name: String| list.iter().position(|q| q.name == name).map(|i| (name, i));
             let names = tie.expression.names().into_iter().filter_map(find).collect();
             Box::new(Resolved { target: tie.target, expression: tie.expression.clone(), names }) as Box<dyn Tie>
@@ -189,7 +198,7 @@ impl Study {
 
     /// Names, values, units and ties, for the plan.
     pub fn parameters(&self) -> Vec<(String, f64, String, Option<String>)> {
-        let p = self.problem(usize::MAX).resolve(&self.values);
+        let p = self.problem(&[]).resolve(&self.values);
         let list = self.model.parameters().iter().enumerate();
         list.map(|(i, q)| {
             let tie = self.ties.iter().find(|tie| tie.target == i).map(|tie| tie.expression.to_string());
@@ -198,36 +207,50 @@ impl Study {
         .collect()
     }
 
+    /// The position of a parameter that may be free.
+    fn free(&self, scene: &Scene, name: &str, at: &Place) -> Result<usize, SceneError> {
+        let list = self.model.parameters();
+        let Some(free) = list.iter().position(|q| q.name == name) else {
+            return Err(scene.fault(at, Fault::unknown("parameter", name, list.iter().map(|q| q.name))));
+        };
+        if let Default::Derived(text) = list[free].default {
+            return Err(scene.refuse(at, format!("{name} is always {text}; it cannot be free")));
+        }
+        if let Some(tie) = self.ties.iter().find(|tie| tie.target == free && tie.place.is_some()) {
+            let message = format!("{name} is tied to {} in [parameters]; remove the tie to free it", tie.expression);
+            return Err(scene.refuse(at, message));
+        }
+        Ok(free)
+    }
+
     /// What a task works on; every name in it is checked here.
     pub fn prepare(&self, scene: &Scene, task: &Task) -> Result<Prepared, SceneError> {
         let along = task.kind.along();
         let list = self.model.parameters();
-        let names = || list.iter().map(|q| q.name);
-        let Some(free) = names().position(|n| n == along.free) else {
-            return Err(scene.fault(&along.free_at, Fault::unknown("parameter", &along.free, names())));
-        };
+        let free = self.free(scene, &along.free, &along.free_at)?;
         let q = &list[free];
-        if let Default::Derived(text) = q.default {
-            return Err(scene.refuse(&along.free_at, format!("{} is always {text}; it cannot be free", q.name)));
+        let mut others = Vec::new();
+        for axis in &along.others {
+            others.push(self.free(scene, &axis.name, &along.free_at)?);
         }
-        if let Some(tie) = self.ties.iter().find(|tie| tie.target == free && tie.place.is_some()) {
-            let message =
-                format!("{} is tied to {} in [parameters]; remove the tie to free it", q.name, tie.expression);
-            return Err(scene.refuse(&along.free_at, message));
-        }
-        let problem = self.problem(free);
+        let freed: Vec<usize> = others.iter().copied().chain([free]).collect();
+        let problem = self.problem(&freed);
         let mut p = self.values.clone();
-        for end in [along.range.from, along.range.to] {
-            p[free] = end;
-            if !q.bounds.contain(end) {
-                return Err(
-                    scene.refuse(&along.range.at, format!("{} = {end} {}: must be {}", q.name, q.unit, q.bounds))
-                );
-            }
-            let resolved = problem.resolve(&p);
-            if let Some((q, x)) = list.iter().zip(&resolved).find(|(q, x)| !q.bounds.contain(**x)) {
-                let message = format!("at this end {} = {x} {}: must be {}", q.name, q.unit, q.bounds);
-                return Err(scene.refuse(&along.range.at, message));
+        let bounded = others.iter().zip(&along.others).filter_map(|(&i, axis)| Some((i, axis.range.as_ref()?)));
+        for (free, range) in bounded.chain([(free, &along.range)]) {
+            for end in [range.from, range.to] {
+                p[free] = end;
+                if !list[free].bounds.contain(end) {
+                    let q = &list[free];
+                    return Err(scene.refuse(&range.at, format!("{} = {end} {}: must be {}", q.name, q.unit, q.bounds)));
+                }
+                let resolved = problem.resolve(&p);
+                // A free parameter without a range has no value yet.
+                let known = list.iter().zip(&resolved).filter(|(_, x)| others.is_empty() || !x.is_nan());
+                if let Some((q, x)) = known.into_iter().find(|(q, x)| !q.bounds.contain(**x)) {
+                    let message = format!("at this end {} = {x} {}: must be {}", q.name, q.unit, q.bounds);
+                    return Err(scene.refuse(&range.at, message));
+                }
             }
         }
         let observables = self.wanted(scene, task)?;
@@ -242,6 +265,7 @@ impl Study {
             free,
             free_name: q.name.to_owned(),
             free_unit: q.unit.to_owned(),
+            others,
             observables,
             waves,
         })
@@ -250,11 +274,10 @@ impl Study {
     /// Observables that the task, its figures or expectations name; an unknown name is an error.
     fn wanted(&self, scene: &Scene, task: &Task) -> Result<Vec<usize>, SceneError> {
         let along = task.kind.along();
-        let cycles = matches!(task.kind, TaskKind::Cycles(_));
-        let own: &[&str] = if cycles {
-            &["period", "frequency", "trivial_error"]
-        } else {
-            &["omega", "frequency", "lyapunov", "growth"]
+        let own: &[&str] = match task.kind {
+            TaskKind::Equilibria(_) => &["omega", "frequency", "lyapunov", "growth"],
+            TaskKind::Cycles(_) => &["period", "frequency", "trivial_error"],
+            TaskKind::HopfCurve(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im", "omega_2"],
         };
         let list = self.model.observables();
         let mut wanted = BTreeSet::new();
@@ -280,11 +303,13 @@ impl Study {
             note(name, &place("observables"))?;
         }
         // Points are located on a column, so that here the name must be one: "max tip_angle" on cycles.
-        let columns: Vec<String> = if cycles {
-            let extremes = list.iter().flat_map(|o| [format!("max {}", o.name), format!("min {}", o.name)]);
-            ["period".to_owned(), "frequency".to_owned()].into_iter().chain(extremes).collect()
-        } else {
-            list.iter().map(|o| o.name.to_owned()).collect()
+        let columns: Vec<String> = match &task.kind {
+            TaskKind::Equilibria(_) => list.iter().map(|o| o.name.to_owned()).collect(),
+            TaskKind::Cycles(_) => {
+                let extremes = list.iter().flat_map(|o| [format!("max {}", o.name), format!("min {}", o.name)]);
+                ["period".to_owned(), "frequency".to_owned()].into_iter().chain(extremes).collect()
+            }
+            TaskKind::HopfCurve(_) => along.others.iter().map(|axis| axis.name.clone()).collect(),
         };
         for name in along.values.keys().filter(|name| **name != along.free) {
             if !columns.contains(name) {
@@ -305,9 +330,9 @@ impl Study {
     }
 }
 
-/// Columns that spectra and multipliers bring.
+/// Columns that spectra, multipliers and logarithmic parameters bring.
 fn is_spectral(name: &str) -> bool {
-    ["re_", "im_", "mu_"].iter().any(|prefix| name.starts_with(prefix))
+    ["re_", "im_", "mu_", "log10 "].iter().any(|prefix| name.starts_with(prefix))
 }
 
 fn build(scene: &Scene) -> Result<Arc<dyn Problem>, SceneError> {

@@ -139,9 +139,9 @@ impl Summary {
                 "\n{}: {status} ({}), {} points, {:.2} s, {} factorisations, {} spectra",
                 task.name, task.reason, task.points, task.seconds, counts.factorisations, counts.spectra
             );
-            let free = self.branches.iter().find(|b| b.name == task.name).and_then(|b| b.free.first().cloned());
+            let free = self.branches.iter().find(|b| b.name == task.name).map_or(Vec::new(), |b| b.free.clone());
             for point in self.points.iter().filter(|p| p.label.starts_with(&format!("{}/", task.name))) {
-                self.point_lines(&mut out, point, free.as_deref().unwrap_or(""));
+                self.point_lines(&mut out, point, &free);
             }
         }
         if !self.expect.is_empty() {
@@ -157,16 +157,19 @@ impl Summary {
         out
     }
 
-    fn point_lines(&self, out: &mut String, point: &PointLine, free: &str) {
-        let lambda = point.parameters.get(free).copied().unwrap_or(f64::NAN);
-        let _ = write!(out, "  {:16} {free} = {}", point.label, with_error(lambda, point.errors.get(free)));
+    fn point_lines(&self, out: &mut String, point: &PointLine, free: &[String]) {
+        let shown = free.iter().map(|name| {
+            let value = point.parameters.get(name).copied().unwrap_or(f64::NAN);
+            format!("{name} = {}", with_error(value, point.errors.get(name)))
+        });
+        let _ = write!(out, "  {:16} {}", point.label, shown.collect::<Vec<_>>().join(", "));
         for (name, value) in &point.values {
             if name.starts_with("mu_") || name == "growth" && point.kind == Kind::HB {
                 continue;
             }
             let _ = write!(out, ", {name} = {}", with_error(*value, point.errors.get(name)));
         }
-        if let Some(l1) = point.values.get("lyapunov") {
+        if let Some(l1) = point.values.get("lyapunov").filter(|_| point.kind != Kind::GH) {
             let _ = write!(out, ": {}", if *l1 < 0.0 { "supercritical" } else { "subcritical" });
         }
         out.push('\n');

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::entry::{Entry, Section};
 use super::{Along, Fault, Range, SceneError};
 
-const MAX_POINTS: usize = 1_000_000;
+pub(super) const MAX_POINTS: usize = 1_000_000;
 
 pub(super) fn read(section: &Section<'_>) -> Result<Along, SceneError> {
     let free = section.need("free", "free = \"PARAMETER\", the parameter to vary")?;
@@ -40,6 +40,8 @@ pub(super) fn read(section: &Section<'_>) -> Result<Along, SceneError> {
         free: name.to_owned(),
         free_at: free.at,
         range,
+        others: Vec::new(),
+        logarithmic: Vec::new(),
     })
 }
 
@@ -62,7 +64,7 @@ fn read_range(entry: &Entry<'_>, free: &str) -> Result<Range, SceneError> {
     range_ends(entry, EXPECTED)
 }
 
-fn range_ends(entry: &Entry<'_>, expected: &str) -> Result<Range, SceneError> {
+pub(super) fn range_ends(entry: &Entry<'_>, expected: &str) -> Result<Range, SceneError> {
     let items = entry.list(expected)?;
     let [from, to] = items.as_slice() else {
         return entry.type_error(expected);

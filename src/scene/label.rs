@@ -3,7 +3,7 @@
 use super::{Fault, Task, TaskKind};
 
 /// Kinds of points that a scene can refer to.
-pub const POINT_KINDS: [&str; 4] = ["HB", "LP", "UZ", "EP"];
+pub const POINT_KINDS: [&str; 8] = ["HB", "LP", "UZ", "EP", "GH", "BT", "ZH", "HH"];
 
 /// "straight/HB1": the first Hopf point of the task "straight".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,12 +64,17 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         ("EP", _) => None,
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
         ("UZ", _) => None,
+        (_, TaskKind::Equilibria(_)) if !["HB", "LP"].contains(&kind) => {
+            Some(" (points of codimension two are on curves: kind = \"hopf-curve\")".to_owned())
+        }
         (_, TaskKind::Equilibria(task)) if task.detect.iter().any(|known| known == kind) => None,
         (_, TaskKind::Equilibria(task)) => {
             let mut detect: Vec<String> = task.detect.iter().map(|k| format!("{k:?}")).collect();
             detect.push(format!("{kind:?}"));
             Some(format!("; give it detect = [{}]", detect.join(", ")))
         }
+        ("GH" | "BT" | "ZH" | "HH", TaskKind::HopfCurve(_)) => None,
+        (_, TaskKind::HopfCurve(_)) => Some(" (it follows Hopf points: only GH, BT, ZH, HH, UZ and EP)".to_owned()),
         (_, TaskKind::Cycles(_)) => Some(" (it follows cycles: only UZ and EP)".to_owned()),
     }
 }

@@ -11,6 +11,7 @@ mod model;
 mod overrides;
 mod parameters;
 mod parse;
+mod several;
 mod task;
 #[cfg(test)]
 mod tests;
@@ -121,6 +122,7 @@ pub struct Task {
 pub enum TaskKind {
     Equilibria(Equilibria),
     Cycles(Cycles),
+    HopfCurve(Curve),
 }
 
 /// A closed range, `from < to`: reversed and empty ranges are refused, as are NaN and infinite ends.
@@ -132,11 +134,12 @@ pub struct Range {
 }
 
 impl TaskKind {
-    /// As the scene names it: "equilibria", "cycles".
+    /// As the scene names it: "equilibria", "cycles", "hopf-curve".
     pub fn name(&self) -> &'static str {
         match self {
             TaskKind::Equilibria(_) => "equilibria",
             TaskKind::Cycles(_) => "cycles",
+            TaskKind::HopfCurve(_) => "hopf-curve",
         }
     }
 
@@ -144,16 +147,38 @@ impl TaskKind {
         match self {
             TaskKind::Equilibria(task) => &task.along,
             TaskKind::Cycles(task) => &task.along,
+            TaskKind::HopfCurve(task) => &task.along,
+        }
+    }
+
+    /// The point that the task starts from, "straight/HB1", and where the scene says so.
+    pub fn from(&self) -> Option<(&str, &Place)> {
+        match self {
+            TaskKind::Equilibria(_) => None,
+            TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
+            TaskKind::HopfCurve(task) => Some((&task.from, &task.from_at)),
         }
     }
 }
 
-/// What every branch in one parameter shares.
+/// A free parameter of several, and its bounds if it has any.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    pub name: String,
+    pub range: Option<Range>,
+}
+
+/// What every task that varies parameters shares.
 #[derive(Clone, Debug)]
 pub struct Along {
+    /// The free parameter; of several the last.
     pub free: String,
     pub free_at: Place,
     pub range: Range,
+    /// The free parameters before it.
+    pub others: Vec<Axis>,
+    /// Those of them all that are followed by their logarithms.
+    pub logarithmic: Vec<String>,
     /// Points wanted exactly: column or parameter, values. Labelled UZ1, UZ2, ... along the branch.
     pub values: BTreeMap<String, Vec<f64>>,
     /// Largest step in the free parameter; default: a fiftieth of the range.
@@ -195,6 +220,16 @@ pub struct Cycles {
     pub multipliers: usize,
     /// `symmetry = "auto"` (default) uses half a period where the model allows; "none" the full one.
     pub symmetry: bool,
+}
+
+/// `kind = "hopf-curve"`.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// Two parameters; only the second must have a range.
+    pub along: Along,
+    /// "straight/HB1".
+    pub from: String,
+    pub from_at: Place,
 }
 
 /// `[[figure]]`.

@@ -3,15 +3,16 @@
 use super::entry::{Entry, Section};
 use super::label::{self, Announced};
 use super::tree::Content;
-use super::{Cycles, Equilibria, SceneError, Task, TaskKind, along};
+use super::{Cycles, Equilibria, SceneError, Task, TaskKind, along, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 2] = ["equilibria", "cycles"];
+pub const TASK_KINDS: [&str; 3] = ["equilibria", "cycles", "hopf-curve"];
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
 const EQUILIBRIA: [&str; 2] = ["spectrum", "detect"];
 const CYCLES: [&str; 6] = ["from", "intervals", "degree", "points", "multipliers", "symmetry"];
+const HOPF_CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
 
 const MAX_COLUMNS: usize = 1000;
 
@@ -23,12 +24,22 @@ pub(super) fn read(
     announced: &[Announced],
 ) -> Result<Task, SceneError> {
     // A misspelt "kind" is to be named as such, so first the keys that no kind knows.
-    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES].concat())?;
-    let kind = section.need("kind", "kind = \"equilibria\" or \"cycles\"")?;
+    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["log"]].concat())?;
+    let kinds = TASK_KINDS.map(|kind| format!("{kind:?}")).join(" or ");
+    let kind = section.need("kind", &format!("kind = {kinds}"))?;
     let kind = match kind.choice("task kind", &TASK_KINDS)? {
         "cycles" => {
             section.allow("key of a cycles task", &[&COMMON[..], &CYCLES].concat())?;
             TaskKind::Cycles(cycles(section, read, announced)?)
+        }
+        "hopf-curve" => {
+            section.allow("key of a hopf-curve task", &HOPF_CURVE)?;
+            TaskKind::HopfCurve(several::curve(
+                section,
+                read,
+                announced,
+                "from = \"TASK/HB1\", a Hopf point of the curve",
+            )?)
         }
         _ => {
             section.allow("key of an equilibria task", &[&COMMON[..], &EQUILIBRIA].concat())?;

@@ -39,7 +39,7 @@ pub fn series<'a>(x: &str, y: &[String], branches: &[&'a Branch]) -> Vec<Series<
     for (task, branch) in branches.iter().enumerate() {
         let colour = match branch.kind {
             BranchKind::Equilibria => style::EQUILIBRIA,
-            BranchKind::Cycles => style::cycles(cycles),
+            BranchKind::Cycles | BranchKind::HopfCurve => style::cycles(cycles),
         };
         let before = found.len();
         let Some(x) = column(branch, x) else { continue };
@@ -50,7 +50,7 @@ pub fn series<'a>(x: &str, y: &[String], branches: &[&'a Branch]) -> Vec<Series<
                 found.push(series);
             }
         }
-        cycles += usize::from(branch.kind == BranchKind::Cycles && found.len() > before);
+        cycles += usize::from(branch.kind != BranchKind::Equilibria && found.len() > before);
     }
     found
 }
@@ -109,7 +109,7 @@ impl Series<'_> {
         let mut turns = vec![false; self.branch.rows.len()];
         for mark in marker::marks(self.branch) {
             if let Some(turn) = turns.get_mut(mark.row)
-                && matches!(mark.kind, Kind::HB | Kind::LP)
+                && matches!(mark.kind, Kind::HB | Kind::LP | Kind::GH)
             {
                 *turn = true;
             }

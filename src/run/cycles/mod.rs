@@ -6,6 +6,7 @@ pub use rows::empty;
 
 use super::outcome::{Outcome, Status};
 use super::resume::{Checkpoint, Keeper};
+use super::start::Stored;
 use super::study::Prepared;
 use super::watch::{Watch, interrupted};
 use crate::bifurcation::{Hopf, HopfNormalForm};
@@ -13,9 +14,8 @@ use crate::branch::{Branch, Kind, Row, SpecialPoint};
 use crate::continuation::{
     Border, Counts, Failure, Point, StepControl, Stop, System, Walk, at_lambda, correct, crossing, inner,
 };
-use crate::linalg::c64;
 use crate::orbit::{Collocation, Frame, OrbitFactors, Points, from_hopf, half_period};
-use crate::problem::{Problem, Reflection};
+use crate::problem::Reflection;
 use crate::scene;
 use rows::Pending;
 use std::time::Instant;
@@ -161,15 +161,8 @@ impl Cycles<'_> {
 
     /// The Hopf point that was stored, solved for again with this task's free parameter.
     fn hopf(&self, from: &SpecialPoint) -> Result<(Hopf, HopfNormalForm), CyclesError> {
-        let array = |name: &str| from.arrays.get(name).map(|a| a.data.clone());
-        let (Some(u), Some(re), Some(im), Some(&omega)) =
-            (array("state"), array("q_re"), array("q_im"), from.values.get("omega"))
-        else {
-            return Err(CyclesError::Incomplete(from.label.clone()));
-        };
-        let q: Vec<c64> = re.iter().zip(im).map(|(&re, im)| c64::new(re, im)).collect();
-        let list = self.prepared.problem.parameters();
-        let p: Vec<f64> = list.iter().map(|q| from.parameters.get(q.name).copied().unwrap_or(f64::NAN)).collect();
+        let Stored { u, p, omega, q } =
+            Stored::read(self.prepared, from).ok_or_else(|| CyclesError::Incomplete(from.label.clone()))?;
         let problem = &*self.prepared.problem;
         let hopf = Hopf::locate(problem, (&u, &p), self.prepared.free, omega, &q)?;
         let form = HopfNormalForm::new(problem, &hopf)?;

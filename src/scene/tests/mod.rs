@@ -89,8 +89,15 @@ fn spoiled(piece: &str, replacement: &str) -> String {
 
 fn check(cases: &[(&str, &str, &str)]) {
     for (piece, replacement, expected) in cases {
-        let complaint = spoiled(piece, replacement);
-        assert_eq!(complaint, format!("problems/good.toml:{expected}"), "{replacement}");
+        same(&spoiled(piece, replacement), &format!("problems/good.toml:{expected}"));
+    }
+}
+
+/// An expected text may end in "..." where a list grows with the program.
+fn same(found: &str, expected: &str) {
+    match expected.strip_suffix("...") {
+        Some(start) => assert!(found.starts_with(start), "{found:?} does not start with {start:?}"),
+        None => assert_eq!(found, expected),
     }
 }
 

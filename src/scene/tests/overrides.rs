@@ -1,7 +1,7 @@
 //! `--set`.
 
 use super::super::{OptionValue, Place, Value};
-use super::{GOOD, parse};
+use super::{GOOD, parse, same};
 
 /// The complaint about an override of the good scene.
 fn overridden(set: &str) -> String {
@@ -71,7 +71,7 @@ fn bad_overrides_are_named() {
         ),
         (
             "task.beat.rnage=[0, 1]",
-            "problems/good.toml: --set task.beat.rnage=[0, 1]: task.beat.rnage: unknown key \"rnage\" (did you mean \"range\"?); allowed: name, kind, free, range, values, max_step, max_points, observables, errors, spectrum, detect, from, intervals, degree, points, multipliers, symmetry",
+            "problems/good.toml: --set task.beat.rnage=[0, 1]: task.beat.rnage: unknown key \"rnage\" (did you mean \"range\"?); allowed: name, kind, free, range, values, max_step, ...",
         ),
         (
             "task.beat.range=[3, 1]",
@@ -90,7 +90,7 @@ fn bad_overrides_are_named() {
             "problems/good.toml: --set parameters.L.unit=ells: parameters.L.unit: unknown symbol \"ells\" in the unit \"ells\"; known are m, s, g, N, Pa, J, Hz, rad with the prefixes f, p, n, µ (or u), m, c, k, M, G",
         ),
     ] {
-        assert_eq!(overridden(set), expected);
+        same(&overridden(set), expected);
     }
     for set in [
         "title.a=3",

@@ -1,0 +1,277 @@
+//! Curves of Hopf points in two parameters.
+//!
+//! Unknowns are x = (u, kappa, z1) and lambda = z2, with kappa = omega² and z the parameters or their logarithms;
+//! equations are `G(u, 0, p) = 0` and `a = b = 0` (see [`scalar`]). The system stays regular through folds of the curve,
+//! zero-Hopf points and Bogdanov-Takens points, where kappa changes sign. Borders follow the curve from step to step.
+
+mod blocks;
+mod scalar;
+mod segment;
+
+pub use blocks::HopfFactors;
+pub use segment::{Segment, Test};
+
+use super::coordinate::Coordinate;
+use super::{Hopf, HopfError};
+use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, correct, inner};
+use crate::linalg::{Eigenpair, Matrix, Singular, c64, dot, pencil};
+use crate::problem::{At, Problem, Prolongation};
+use blocks::Steady;
+use scalar::Scalar;
+use std::sync::Arc;
+
+/// A relative change of kappa counts as so much arclength: hardly anything, since the parameters already tell points of
+/// the curve apart; but not nothing, so that convergence is measured in kappa, too.
+const WEIGHT_KAPPA: f64 = 1e-3;
+/// From one step to the next the unit of kappa shrinks no more than this, so that steps do not die before kappa = 0.
+const SHRINK: f64 = 0.1;
+/// The parameter to be solved for with the other fixed is the first, unless the curve runs along it this much more.
+const STEEP: f64 = 1e3;
+
+/// Reference vectors: real borders of the pencil (`column`, `row`) and of G_u (`beta`, `gamma`), and the unit of sigma.
+#[derive(Clone, Debug)]
+struct Borders {
+    column: Vec<f64>,
+    row: Vec<f64>,
+    beta: Vec<f64>,
+    gamma: Vec<f64>,
+    unit: f64,
+}
+
+/// The system of a Hopf curve.
+#[derive(Clone)]
+pub struct HopfCurve {
+    pub problem: Arc<dyn Problem>,
+    /// All parameters; those of `first` and `second` are overwritten.
+    p: Vec<f64>,
+    pub first: Coordinate,
+    pub second: Coordinate,
+    scale_state: f64,
+    borders: Borders,
+}
+
+impl HopfCurve {
+    /// The system at a Hopf point, and that point with a tangent along which z2 does not fall.
+    pub fn start(
+        problem: Arc<dyn Problem>,
+        hopf: &Hopf,
+        (first, second): (Coordinate, Coordinate),
+        counts: &mut Counts,
+    ) -> Result<(Self, Point), Failure> {
+        let n = problem.dim();
+        let rms = (dot(&hopf.u, &hopf.u) / n as f64).sqrt();
+        // No vector is known to be near the kernel of G_u; two inverse iterations from any make one.
+        let any: Vec<f64> = (0..n).map(|i| 1.0 + (7 * i % 5) as f64).collect();
+        let borders = Borders {
+            column: real_direction(&hopf.w.iter().map(|z| z.conj()).collect::<Vec<_>>()),
+            row: real_direction(&hopf.q),
+            beta: unit(any.clone()),
+            gamma: unit(any),
+            unit: hopf.omega,
+        };
+        let scale_state = if rms > 0.0 { rms } else { 1.0 };
+        let mut curve = Self { problem, p: hopf.p.clone(), first, second, scale_state, borders };
+        let mut x = hopf.u.clone();
+        x.extend([hopf.omega.powi(2), first.of(hopf.p[first.index])]);
+        let lambda = second.of(hopf.p[second.index]);
+        let mut point = Point { tangent: vec![0.0; n + 2], x, lambda, tangent_lambda: 0.0 };
+        for _ in 0..2 {
+            curve.prepare(&mut point);
+        }
+        // The tangent is found by bordering with two directions: one of them is not across the curve.
+        let mut best: Option<Corrected<HopfFactors>> = None;
+        for along_first in [false, true] {
+            let mut border = Border { row: vec![0.0; n + 2], lambda: 0.0 };
+            if along_first {
+                border.row[n + 1] = 1.0 / first.width;
+            } else {
+                border.lambda = 1.0 / second.width;
+            }
+            let Ok(found) = correct(&curve, (point.x.clone(), lambda), &border, counts) else { continue };
+            let steepness = |p: &Point| {
+                if along_first { p.tangent[n + 1] / first.width } else { p.tangent_lambda / second.width }.abs()
+            };
+            if best.is_none() || steepness(&found.point) > 0.5 {
+                best = Some(found);
+            }
+        }
+        let mut point = best.ok_or(Failure::Singular(Singular))?.point;
+        if point.tangent_lambda < 0.0 || point.tangent_lambda == 0.0 && point.tangent[n + 1] < 0.0 {
+            reverse(&mut point);
+        }
+        Ok((curve, point))
+    }
+
+    /// All parameters at a point.
+    pub fn parameters(&self, point: &Point) -> Vec<f64> {
+        let n = self.problem.dim();
+        self.values([point.x[n + 1], point.lambda])
+    }
+
+    fn values(&self, z: [f64; 2]) -> Vec<f64> {
+        let mut p = self.p.clone();
+        for (coordinate, z) in [self.first, self.second].into_iter().zip(z) {
+            p[coordinate.index] = coordinate.value(z);
+        }
+        p
+    }
+
+    /// omega² at a point: zero at a Bogdanov-Takens point.
+    pub fn kappa(&self, point: &Point) -> f64 {
+        point.x[self.problem.dim()]
+    }
+
+    /// z1 and z2.
+    pub fn coordinates(&self, point: &Point) -> [f64; 2] {
+        [point.x[self.problem.dim() + 1], point.lambda]
+    }
+
+    /// The parameter that is best solved for at a point, with the other held.
+    pub fn solvable(&self, point: &Point) -> usize {
+        let along_first = point.tangent[self.problem.dim() + 1] / self.first.width;
+        let along_second = point.tangent_lambda / self.second.width;
+        if along_first.abs() > STEEP * along_second.abs() { self.second.index } else { self.first.index }
+    }
+
+    /// G_u, G_v and all parameters.
+    fn linearised(&self, u: &[f64], z: [f64; 2]) -> (Matrix, Matrix, Vec<f64>) {
+        let (rest, p) = (vec![0.0; u.len()], self.values(z));
+        let (gu, gv) = self.problem.linearised(At { u, v: &rest, p: &p });
+        (gu, gv, p)
+    }
+
+    /// The Hopf point at a point of the curve, solved to rounding in the parameter `free` with the other held, and its
+    /// slope along the first parameter.
+    pub fn hopf(&self, point: &Point, free: usize) -> Result<Hopf, HopfError> {
+        let n = self.problem.dim();
+        let (gu, gv, p) = self.linearised(&point.x[..n], self.coordinates(point));
+        let q = Scalar::new(gu.dense(), gv.dense(), self.kappa(point), &self.borders)?.vector();
+        let omega = self.kappa(point).max(0.0).sqrt();
+        let found = Hopf::locate(&*self.problem, (&point.x[..n], &p), free, omega, &q)?;
+        if free == self.first.index { Ok(found) } else { found.along(&*self.problem, self.first.index) }
+    }
+
+    /// A function that vanishes where G_u is singular: the bordered scalar of G_u.
+    pub fn steady(&self, point: &Point) -> Result<f64, Singular> {
+        let n = self.problem.dim();
+        let (gu, ..) = self.linearised(&point.x[..n], self.coordinates(point));
+        Ok(Steady::new(gu.dense(), &self.borders.beta, &self.borders.gamma)?.solve(&vec![0.0; n], 1.0)[n])
+    }
+
+    /// Eigenvalues without the critical pair, rightmost first.
+    pub fn others(&self, point: &Point) -> Result<Vec<c64>, Singular> {
+        let n = self.problem.dim();
+        let (gu, gv, _) = self.linearised(&point.x[..n], self.coordinates(point));
+        let omega = self.kappa(point).max(0.0).sqrt();
+        // Irrational in units of omega, so that it is no eigenvalue itself.
+        let shift = std::f64::consts::E * omega.max(self.borders.unit);
+        let mut values: Vec<c64> =
+            pencil(gu.dense(), gv.dense(), shift, 0)?.iter().map(|Eigenpair { value, .. }| *value).collect();
+        for critical in [c64::new(0.0, omega), c64::new(0.0, -omega)] {
+            let distance = |k: &usize| (values[*k] - critical).norm();
+            if let Some(k) = (0..values.len()).min_by(|j, k| distance(j).total_cmp(&distance(k))) {
+                values.remove(k);
+            }
+        }
+        Ok(values)
+    }
+
+    /// The same curve on another discretisation of the problem.
+    pub fn refined(&self, problem: Arc<dyn Problem>, prolong: &Prolongation) -> Self {
+        let Borders { column, row, beta, gamma, unit } = &self.borders;
+        let borders = Borders {
+            column: prolong(column),
+            row: prolong(row),
+            beta: prolong(beta),
+            gamma: prolong(gamma),
+            unit: *unit,
+        };
+        Self { problem, borders, ..self.clone() }
+    }
+
+    /// A point of this curve corrected onto a refined one, on the hyperplane across the tangent.
+    pub fn onto(
+        &self,
+        fine: &Self,
+        prolong: &Prolongation,
+        point: &Point,
+        counts: &mut Counts,
+    ) -> Result<Point, Failure> {
+        let n = self.problem.dim();
+        let spread = |x: &[f64]| [prolong(&x[..n]), x[n..].to_vec()].concat();
+        let (x, tangent) = (spread(&point.x), spread(&point.tangent));
+        let border = Border { row: fine.dual(&tangent), lambda: fine.dual_lambda() * point.tangent_lambda };
+        Ok(correct(fine, (x, point.lambda), &border, counts)?.point)
+    }
+}
+
+impl System for HopfCurve {
+    type Factors = HopfFactors;
+
+    fn residual(&self, x: &[f64], lambda: f64, r: &mut [f64]) {
+        let n = self.problem.dim();
+        let (gu, gv, p) = self.linearised(&x[..n], [x[n + 1], lambda]);
+        let rest = vec![0.0; n];
+        self.problem.residual(At { u: &x[..n], v: &rest, p: &p }, &mut r[..n]);
+        // A singular bordered matrix has no scalar: the residual then is not a number, and the step fails.
+        let scalar = Scalar::new(gu.dense(), gv.dense(), x[n], &self.borders);
+        (r[n], r[n + 1]) = scalar.map_or((f64::NAN, f64::NAN), |g| (g.a, g.b));
+    }
+
+    fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<HopfFactors, Singular> {
+        HopfFactors::new(self, x, lambda, border)
+    }
+
+    fn dual(&self, t: &[f64]) -> Vec<f64> {
+        let n = self.problem.dim();
+        let state = 1.0 / (n as f64 * self.scale_state.powi(2));
+        let kappa = (WEIGHT_KAPPA / self.borders.unit.powi(2)).powi(2);
+        let mut out: Vec<f64> = t[..n].iter().map(|t| state * t).collect();
+        out.extend([kappa * t[n], t[n + 1] / self.first.width.powi(2)]);
+        out
+    }
+
+    fn dual_lambda(&self) -> f64 {
+        self.second.width.powi(-2)
+    }
+
+    /// Takes the vectors at the point as borders and its omega as unit; the tangent is normalised anew.
+    fn prepare(&mut self, point: &mut Point) -> bool {
+        let n = self.problem.dim();
+        let (gu, gv, _) = self.linearised(&point.x[..n], self.coordinates(point));
+        let kappa = self.kappa(point);
+        if let Ok(scalar) = Scalar::new(gu.dense(), gv.dense(), kappa, &self.borders) {
+            let left: Vec<c64> = scalar.left_vector().iter().map(|z| z.conj()).collect();
+            (self.borders.row, self.borders.column) = (real_direction(&scalar.vector()), real_direction(&left));
+        }
+        if let Ok(steady) = Steady::new(gu.dense(), &self.borders.beta, &self.borders.gamma) {
+            let (right, left) = (steady.solve(&vec![0.0; n], 1.0), steady.left(n));
+            (self.borders.gamma, self.borders.beta) = (unit(right[..n].to_vec()), unit(left[..n].to_vec()));
+        }
+        self.borders.unit = kappa.abs().sqrt().max(SHRINK * self.borders.unit);
+        let length = inner(self, (&point.tangent, point.tangent_lambda), (&point.tangent, point.tangent_lambda)).sqrt();
+        if length > 0.0 {
+            point.tangent.iter_mut().for_each(|t| *t /= length);
+            point.tangent_lambda /= length;
+        }
+        false
+    }
+}
+
+/// The same point, to be left the other way.
+pub fn reverse(point: &mut Point) {
+    point.tangent.iter_mut().for_each(|t| *t = -*t);
+    point.tangent_lambda = -point.tangent_lambda;
+}
+
+fn unit(x: Vec<f64>) -> Vec<f64> {
+    let size = dot(&x, &x).sqrt();
+    x.iter().map(|x| x / size).collect()
+}
+
+/// A real unit vector with as large a product with z as there is: the real part of z in the phase that makes it largest.
+fn real_direction(z: &[c64]) -> Vec<f64> {
+    let square: c64 = z.iter().map(|z| z * z).sum();
+    let turn = if square.norm() > 0.0 { c64::from_polar(1.0, -0.5 * square.arg()) } else { c64::new(1.0, 0.0) };
+    unit(z.iter().map(|z| (z * turn).re).collect())
+}
