@@ -12,7 +12,8 @@
 //! block elimination with factors of G_u and of the bordered matrix alone, so it stays n by n and converges
 //! quadratically to rounding. Second derivatives are exact.
 
-use crate::linalg::{Bordered, Lu, Singular, c64, dot};
+use super::multilinear::Complex;
+use crate::linalg::{Bordered, Lu, Singular, c64};
 use crate::problem::{At, Direction, Problem};
 use faer::Mat;
 use thiserror::Error;
@@ -190,45 +191,5 @@ impl Frame {
             product -= unit * self.w.iter().zip(&out).map(|(w, &o)| w.conj() * o).sum::<c64>();
         }
         product
-    }
-}
-
-/// A complex direction (q, sigma q) of (u, v).
-pub(super) struct Complex {
-    pub u: Vec<c64>,
-    pub v: Vec<c64>,
-}
-
-/// Its real or imaginary part.
-pub(super) struct Part {
-    u: Vec<f64>,
-    v: Vec<f64>,
-}
-
-impl Complex {
-    /// (q, i omega q).
-    pub fn new(q: &[c64], omega: f64) -> Self {
-        Self { u: q.to_vec(), v: q.iter().map(|z| z * c64::new(0.0, omega)).collect() }
-    }
-
-    pub fn conjugate(&self) -> Self {
-        let conj = |z: &[c64]| z.iter().map(|z| z.conj()).collect();
-        Self { u: conj(&self.u), v: conj(&self.v) }
-    }
-
-    pub fn split(&self) -> [Part; 2] {
-        let take = |f: fn(&c64) -> f64| Part { u: self.u.iter().map(f).collect(), v: self.v.iter().map(f).collect() };
-        [take(|z| z.re), take(|z| z.im)]
-    }
-}
-
-impl Part {
-    pub fn direction(&self) -> Direction<'_> {
-        Direction { u: &self.u, v: &self.v, p: &[] }
-    }
-
-    /// Whether the direction is zero, so that derivatives along it need not be computed.
-    pub fn vanishes(&self) -> bool {
-        dot(&self.u, &self.u) + dot(&self.v, &self.v) == 0.0
     }
 }

@@ -13,7 +13,8 @@
 //! l1 < 0: stable cycles on the unstable side (supercritical); l1 > 0: subcritical. Its size is for `q^H q = 1`.
 
 use super::Hopf;
-use super::hopf::{Complex, HopfError};
+use super::hopf::HopfError;
+use super::multilinear::{Complex, second};
 use crate::linalg::{Lu, c64};
 use crate::problem::{At, Problem};
 use faer::Mat;
@@ -59,23 +60,6 @@ impl HopfNormalForm {
         let omega2 = c1.im + hopf.slope.im * p2;
         Ok(Self { c1, l1: c1.re / hopf.omega, h20, h11, p2, omega2 })
     }
-}
-
-/// `D²G[a, b]` for complex directions.
-fn second(problem: &dyn Problem, at: At, a: &Complex, b: &Complex) -> Vec<c64> {
-    let mut sum = vec![c64::new(0.0, 0.0); problem.dim()];
-    let mut out = vec![0.0; problem.dim()];
-    for (i, x) in a.split().iter().enumerate() {
-        for (j, y) in b.split().iter().enumerate() {
-            if x.vanishes() || y.vanishes() {
-                continue;
-            }
-            problem.derivative(at, &[x.direction(), y.direction()], &mut out);
-            let unit = c64::new(0.0, 1.0).powu((i + j) as u32);
-            sum.iter_mut().zip(&out).for_each(|(s, &o)| *s += unit * o);
-        }
-    }
-    sum
 }
 
 /// `D³G[a, a, abar] = C(r, r, r) + C(r, s, s) + i (C(r, r, s) + C(s, s, s))` with a = r + i s.

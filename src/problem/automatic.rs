@@ -2,7 +2,7 @@
 
 use super::{At, Direction, Observable, Parameter, Problem, Refinement, Reflection};
 use crate::linalg::Matrix;
-use num_dual::{Dual64, DualNum, HyperDual64, HyperHyperDual64};
+use num_dual::{Dual2_64, Dual3, Dual64, DualNum, HyperDual64, HyperHyperDual64};
 
 /// A real number, or one that carries derivatives.
 pub trait Scalar: DualNum<Primitive = f64> + Copy + Send + Sync {
@@ -143,6 +143,36 @@ impl<F: Formula> Problem for Automatic<F> {
                 out.iter_mut().zip(g).for_each(|(o, g)| *o = g.eps1eps2eps3);
             }
             _ => unreachable!("derivatives are of order one to three"),
+        }
+    }
+
+    /// With r the sum of two infinitesimals, one carried to third and one to second order, the derivative of order
+    /// a in the first and b in the second is that of order a + b in r.
+    fn coefficient(&self, at: At, terms: &[Direction], out: &mut [f64]) {
+        let order = terms.len();
+        debug_assert!((1..=5).contains(&order), "coefficients are of order one to five");
+        let (a, b) = (order.min(3), order.saturating_sub(3));
+        let one = Dual2_64::from_re(1.0);
+        let r = Dual3::new(Dual2_64::new(0.0, 1.0, 0.0), one, one * 0.0, one * 0.0);
+        let mut powers = vec![r];
+        for _ in 1..order {
+            powers.push(powers[powers.len() - 1] * r);
+        }
+        let value = |x: f64, part: &dyn Fn(&Direction<'_>) -> f64| {
+            let start = Dual3::from_re(Dual2_64::from_re(x));
+            terms.iter().zip(&powers).fold(start, |sum, (term, &power)| sum + power * part(term))
+        };
+        let make = |values: &[f64], part: fn(&Direction<'_>, usize) -> f64| -> Vec<Dual3<Dual2_64>> {
+            values.iter().enumerate().map(|(i, &x)| value(x, &|term| part(term, i))).collect()
+        };
+        let (u, v) = (make(at.u, |d, i| entry(d.u, i)), make(at.v, |d, i| entry(d.v, i)));
+        let p = make(at.p, |_, _| 0.0);
+        let mut g = vec![Dual3::from_re(Dual2_64::from_re(0.0)); self.0.dim()];
+        self.0.residual(&u, &v, &p, &mut g);
+        let factorial = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0][order];
+        for (out, g) in out.iter_mut().zip(&g) {
+            let outer = [g.re, g.v1, g.v2, g.v3][a];
+            *out = [outer.re, outer.v1, outer.v2][b] / factorial;
         }
     }
 

@@ -165,6 +165,10 @@ pub trait Problem: Send + Sync {
     /// The derivative of G along one, two or three directions: `D^k G [d_1, ..., d_k]`, exact.
     fn derivative(&self, at: At, directions: &[Direction], out: &mut [f64]);
 
+    /// The coefficient of `r^k`, `k = terms.len()` from 1 to 5, in `G(u + sum_j r^j u_j, v + sum_j r^j v_j, p)` with
+    /// `(u_j, v_j)` the j-th term; exact. The terms' parts in p are not looked at.
+    fn coefficient(&self, at: At, terms: &[Direction], out: &mut [f64]);
+
     /// The unit of time, "" if it has none.
     fn time_unit(&self) -> &'static str {
         ""

@@ -99,6 +99,10 @@ impl Problem for Tied {
         }
     }
 
+    fn coefficient(&self, at: At, terms: &[Direction], out: &mut [f64]) {
+        self.inner.coefficient(At { p: &self.resolve(at.p), ..at }, terms, out);
+    }
+
     fn time_unit(&self) -> &'static str {
         self.inner.time_unit()
     }

@@ -1,5 +1,6 @@
 //! A scene resolved against its model: the problem, its parameters, and what each task needs.
 
+use super::hopf_curve;
 use crate::models::{self, Choice, Options};
 use crate::problem::{Default, Observable, Problem, Tie, Tied};
 use crate::scene::{Expression, Fault, OptionValue, Place, Scene, SceneError, Task, TaskKind, Value, units};
@@ -277,7 +278,7 @@ impl Study {
         let own: &[&str] = match task.kind {
             TaskKind::Equilibria(_) => &["omega", "frequency", "lyapunov", "growth"],
             TaskKind::Cycles(_) => &["period", "frequency", "trivial_error"],
-            TaskKind::HopfCurve(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im", "omega_2"],
+            TaskKind::HopfCurve(_) => &hopf_curve::VALUES,
         };
         let list = self.model.observables();
         let mut wanted = BTreeSet::new();

@@ -13,10 +13,11 @@
 
 use super::HopfCurve;
 use super::scalar::Scalar;
+use crate::bifurcation::steady::Steady;
 use crate::continuation::{Border, Factored};
-use crate::linalg::{Bordered, Lu, Singular, dot};
+use crate::linalg::{Lu, Singular, dot};
 use crate::problem::{At, Direction, Problem};
-use faer::{Mat, MatRef};
+use faer::Mat;
 use std::sync::Arc;
 
 /// Factors at one point.
@@ -35,37 +36,6 @@ pub struct HopfFactors {
     /// What the four rows were divided by.
     sizes: [f64; 4],
     unit_kappa: f64,
-}
-
-/// G_u with its borders.
-pub struct Steady {
-    bordered: Bordered<f64>,
-    size: f64,
-}
-
-impl Steady {
-    pub fn new(gu: MatRef<'_, f64>, beta: &[f64], gamma: &[f64]) -> Result<Self, Singular> {
-        // The border stands for a vector of G_u's size; its unknown is measured accordingly.
-        let size = gu.norm_max();
-        let scaled = |x: &[f64]| -> Vec<f64> { x.iter().map(|x| size * x).collect() };
-        Ok(Self { bordered: Bordered::new(gu, &scaled(beta), &scaled(gamma), 0.0)?, size })
-    }
-
-    /// (du, mu) for right-hand sides f and t.
-    pub fn solve(&self, f: &[f64], t: f64) -> Vec<f64> {
-        let mut x = f.to_vec();
-        x.push(self.size * t);
-        self.bordered.solve(&mut x);
-        x
-    }
-
-    /// The left counterpart of `solve(0, 1)`.
-    pub fn left(&self, n: usize) -> Vec<f64> {
-        let mut x = vec![0.0; n];
-        x.push(self.size);
-        self.bordered.solve_adjoint(&mut x);
-        x
-    }
 }
 
 impl HopfFactors {

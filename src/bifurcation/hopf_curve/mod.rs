@@ -12,11 +12,11 @@ pub use blocks::HopfFactors;
 pub use segment::{Segment, Test};
 
 use super::coordinate::Coordinate;
+use super::steady::Steady;
 use super::{Hopf, HopfError};
 use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, correct, inner};
 use crate::linalg::{Eigenpair, Matrix, Singular, c64, dot, pencil};
 use crate::problem::{At, Problem, Prolongation};
-use blocks::Steady;
 use scalar::Scalar;
 use std::sync::Arc;
 

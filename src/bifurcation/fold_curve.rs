@@ -1,0 +1,271 @@
+//! Curves of folds in two parameters.
+//!
+//! Unknowns are x = (u, z1) and lambda = z2, z being the parameters or their logarithms; equations are
+//! `G(u, 0, p) = 0` and `g = 0`, the bordered scalar of
+//!
+//! ```text
+//! [ G_u      beta ] [q]   [0]
+//! [ gamma^T   0   ] [g] = [1],          dg = -w^T D²G[(q, 0), d],
+//! ```
+//!
+//! w being the solution with the transpose. The system is regular through cusps, Bogdanov-Takens and zero-Hopf points
+//! (Govaerts 2000, doi:10.1137/1.9780898719543, section 4.1). Borders follow the curve from step to step.
+
+use super::coordinate::Coordinate;
+use super::steady::Steady;
+use crate::continuation::{Border, Counts, Factored, Failure, Point, System, correct, inner};
+use crate::linalg::{Lu, Matrix, Singular, c64, dot, pencil};
+use crate::problem::{At, Direction, Problem};
+use faer::Mat;
+use std::sync::Arc;
+
+/// The system of a fold curve.
+#[derive(Clone)]
+pub struct FoldCurve {
+    pub problem: Arc<dyn Problem>,
+    /// All parameters; those of `first` and `second` are overwritten.
+    p: Vec<f64>,
+    pub first: Coordinate,
+    pub second: Coordinate,
+    scale_state: f64,
+    beta: Vec<f64>,
+    gamma: Vec<f64>,
+}
+
+impl FoldCurve {
+    /// The system near a fold (u, p), and the point of the curve there, with a tangent along which z2 does not fall.
+    pub fn start(
+        problem: Arc<dyn Problem>,
+        (u, p): (&[f64], &[f64]),
+        (first, second): (Coordinate, Coordinate),
+        counts: &mut Counts,
+    ) -> Result<(Self, Point), Failure> {
+        let n = problem.dim();
+        let rms = (dot(u, u) / n as f64).sqrt();
+        let any: Vec<f64> = (0..n).map(|i| 1.0 + (7 * i % 5) as f64).collect();
+        let scale_state = if rms > 0.0 { rms } else { 1.0 };
+        let (p, beta, gamma) = (p.to_vec(), unit(&any), unit(&any));
+        let mut curve = Self { problem, p, first, second, scale_state, beta, gamma };
+        let mut x = u.to_vec();
+        x.push(first.of(curve.p[first.index]));
+        let lambda = second.of(curve.p[second.index]);
+        let mut point = Point { tangent: vec![0.0; n + 1], x, lambda, tangent_lambda: 0.0 };
+        // No vector is known to be near the kernel; a few inverse iterations from any make one.
+        for _ in 0..3 {
+            curve.prepare(&mut point);
+        }
+        // A border across the curve is not known: the unknown that may be held is the one along which the curve runs.
+        let along = |k: usize| {
+            let mut border = Border { row: vec![0.0; n + 1], lambda: 0.0 };
+            match k {
+                0 => border.lambda = 1.0 / second.width,
+                1 => border.row[n] = 1.0 / first.width,
+                _ => border.row[..n].copy_from_slice(&curve.gamma),
+            }
+            border
+        };
+        let found = (0..3).find_map(|k| correct(&curve, (point.x.clone(), lambda), &along(k), counts).ok());
+        let mut point = found.ok_or(Failure::Singular(Singular))?.point;
+        if point.tangent_lambda < 0.0 || point.tangent_lambda == 0.0 && point.tangent[n] < 0.0 {
+            super::reverse(&mut point);
+        }
+        Ok((curve, point))
+    }
+
+    /// All parameters at a point.
+    pub fn parameters(&self, point: &Point) -> Vec<f64> {
+        self.values([point.x[self.problem.dim()], point.lambda])
+    }
+
+    fn values(&self, z: [f64; 2]) -> Vec<f64> {
+        let mut p = self.p.clone();
+        for (coordinate, z) in [self.first, self.second].into_iter().zip(z) {
+            p[coordinate.index] = coordinate.value(z);
+        }
+        p
+    }
+
+    fn linearised(&self, u: &[f64], z: [f64; 2]) -> (Matrix, Matrix, Vec<f64>) {
+        let (rest, p) = (vec![0.0; u.len()], self.values(z));
+        let (gu, gv) = self.problem.linearised(At { u, v: &rest, p: &p });
+        (gu, gv, p)
+    }
+
+    /// The kernel's vectors q and w (`gamma . q = beta . w = 1`), and G_v.
+    fn kernel(&self, point: &Point) -> Result<(Vec<f64>, Vec<f64>, Matrix), Singular> {
+        let n = self.problem.dim();
+        let (gu, gv, _) = self.linearised(&point.x[..n], [point.x[n], point.lambda]);
+        let steady = Steady::new(gu.dense(), &self.beta, &self.gamma)?;
+        let (mut q, mut w) = (steady.solve(&vec![0.0; n], 1.0), steady.left(n));
+        q.truncate(n);
+        w.truncate(n);
+        Ok((q, w, gv))
+    }
+
+    /// Zero at a cusp: `w^T D²G[q, q] / 2`, the quadratic coefficient of the fold.
+    pub fn curvature(&self, point: &Point) -> Result<f64, Singular> {
+        let n = self.problem.dim();
+        let (q, w, _) = self.kernel(point)?;
+        let (rest, p) = (vec![0.0; n], self.parameters(point));
+        let mut out = vec![0.0; n];
+        let along = Direction { u: &q, v: &[], p: &[] };
+        self.problem.derivative(At { u: &point.x[..n], v: &rest, p: &p }, &[along, along], &mut out);
+        Ok(0.5 * dot(&w, &out))
+    }
+
+    /// Zero at a Bogdanov-Takens point: `w^T M q`.
+    pub fn mass(&self, point: &Point) -> Result<f64, Singular> {
+        let (q, w, gv) = self.kernel(point)?;
+        let gv = gv.dense();
+        let moved: Vec<f64> = (0..q.len()).map(|i| (0..q.len()).map(|j| gv[(i, j)] * q[j]).sum()).collect();
+        Ok(dot(&w, &moved))
+    }
+
+    /// Eigenvalues without the one at zero, rightmost first.
+    pub fn others(&self, point: &Point, shift: f64) -> Result<Vec<c64>, Singular> {
+        let n = self.problem.dim();
+        let (gu, gv, _) = self.linearised(&point.x[..n], [point.x[n], point.lambda]);
+        let mut values: Vec<c64> = pencil(gu.dense(), gv.dense(), shift, 0)?.iter().map(|pair| pair.value).collect();
+        if let Some(k) = (0..values.len()).min_by(|&j, &k| values[j].norm().total_cmp(&values[k].norm())) {
+            values.remove(k);
+        }
+        Ok(values)
+    }
+}
+
+impl System for FoldCurve {
+    type Factors = FoldFactors;
+
+    fn residual(&self, x: &[f64], lambda: f64, r: &mut [f64]) {
+        let n = self.problem.dim();
+        let (gu, _, p) = self.linearised(&x[..n], [x[n], lambda]);
+        let rest = vec![0.0; n];
+        self.problem.residual(At { u: &x[..n], v: &rest, p: &p }, &mut r[..n]);
+        // A singular bordered matrix has no scalar: the residual then is not a number, and the step fails.
+        let steady = Steady::new(gu.dense(), &self.beta, &self.gamma);
+        r[n] = steady.map_or(f64::NAN, |steady| steady.solve(&vec![0.0; n], 1.0)[n]);
+    }
+
+    fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<FoldFactors, Singular> {
+        FoldFactors::new(self, x, lambda, border)
+    }
+
+    fn dual(&self, t: &[f64]) -> Vec<f64> {
+        let n = self.problem.dim();
+        let state = 1.0 / (n as f64 * self.scale_state.powi(2));
+        let mut out: Vec<f64> = t[..n].iter().map(|t| state * t).collect();
+        out.push(t[n] / self.first.width.powi(2));
+        out
+    }
+
+    fn dual_lambda(&self) -> f64 {
+        self.second.width.powi(-2)
+    }
+
+    /// Takes the kernel's vectors at the point as borders; the tangent is normalised anew.
+    fn prepare(&mut self, point: &mut Point) -> bool {
+        if let Ok((q, w, _)) = self.kernel(point) {
+            (self.gamma, self.beta) = (unit(&q), unit(&w));
+        }
+        let length = inner(self, (&point.tangent, point.tangent_lambda), (&point.tangent, point.tangent_lambda)).sqrt();
+        if length > 0.0 {
+            point.tangent.iter_mut().for_each(|t| *t /= length);
+            point.tangent_lambda /= length;
+        }
+        false
+    }
+}
+
+/// The factored Jacobian, by block elimination: G_u is only ever used bordered, and three equations for the size of du
+/// along q, dz1 and dz2 are left.
+pub struct FoldFactors {
+    problem: Arc<dyn Problem>,
+    u: Vec<f64>,
+    p: Vec<f64>,
+    steady: Steady,
+    q: Vec<f64>,
+    w: Vec<f64>,
+    by_parameters: [Vec<f64>; 2],
+    row: Vec<f64>,
+    small: Lu<f64>,
+    sizes: [f64; 3],
+}
+
+impl FoldFactors {
+    fn new(curve: &FoldCurve, x: &[f64], lambda: f64, border: &Border) -> Result<Self, Singular> {
+        let n = curve.problem.dim();
+        let z = [x[n], lambda];
+        let (gu, _, p) = curve.linearised(&x[..n], z);
+        let steady = Steady::new(gu.dense(), &curve.beta, &curve.gamma)?;
+        let q = steady.solve(&vec![0.0; n], 1.0);
+        let w = steady.left(n)[..n].to_vec();
+        let row = border.row[..n].to_vec();
+        let mut factors = Self {
+            problem: curve.problem.clone(),
+            u: x[..n].to_vec(),
+            p,
+            steady,
+            q,
+            w,
+            by_parameters: [Vec::new(), Vec::new()],
+            row,
+            small: Lu::new(Mat::<f64>::identity(3, 3).as_ref())?,
+            sizes: [1.0; 3],
+        };
+        let mut small = Mat::zeros(3, 3);
+        small[(0, 0)] = factors.q[n];
+        small[(1, 0)] = factors.along(&factors.q[..n], &[]);
+        small[(2, 0)] = dot(&factors.row, &factors.q[..n]);
+        for (k, coordinate) in [curve.first, curve.second].into_iter().enumerate() {
+            let mut e = vec![0.0; factors.p.len()];
+            e[coordinate.index] = coordinate.rate(z[k]);
+            let mut g = vec![0.0; n];
+            let rest = vec![0.0; n];
+            let at = At { u: &factors.u, v: &rest, p: &factors.p };
+            curve.problem.derivative(at, &[Direction { u: &[], v: &[], p: &e }], &mut g);
+            let solved = factors.steady.solve(&g, 0.0);
+            let back: Vec<f64> = solved[..n].iter().map(|x| -x).collect();
+            let own = if k == 0 { border.row[n] } else { border.lambda };
+            small[(0, 1 + k)] = -solved[n];
+            small[(1, 1 + k)] = factors.along(&back, &e);
+            small[(2, 1 + k)] = own - dot(&factors.row, &solved[..n]);
+            factors.by_parameters[k] = solved;
+        }
+        // Rows of one size: the pivots of so small a system would otherwise depend on units.
+        factors.sizes = [0, 1, 2].map(|i| (0..3).map(|j| small[(i, j)].abs()).fold(f64::MIN_POSITIVE, f64::max));
+        let small = Mat::from_fn(3, 3, |i, j| small[(i, j)] / factors.sizes[i]);
+        factors.small = Lu::new(small.as_ref())?;
+        Ok(factors)
+    }
+
+    /// dg along a direction of (u, p).
+    fn along(&self, du: &[f64], dp: &[f64]) -> f64 {
+        let n = self.u.len();
+        let (rest, mut out) = (vec![0.0; n], vec![0.0; n]);
+        let at = At { u: &self.u, v: &rest, p: &self.p };
+        let kernel = Direction { u: &self.q[..n], v: &[], p: &[] };
+        self.problem.derivative(at, &[kernel, Direction { u: du, v: &[], p: dp }], &mut out);
+        -dot(&self.w, &out)
+    }
+}
+
+impl Factored for FoldFactors {
+    fn solve(&self, right: &mut [f64]) {
+        let n = self.u.len();
+        let solved = self.steady.solve(&right[..n], 0.0);
+        let along = if solved[..n].iter().all(|&x| x == 0.0) { 0.0 } else { self.along(&solved[..n], &[]) };
+        let mut y = [-solved[n], right[n] - along, right[n + 1] - dot(&self.row, &solved[..n])];
+        y.iter_mut().zip(&self.sizes).for_each(|(y, size)| *y /= size);
+        self.small.solve(&mut y);
+        let [t, z1, z2] = y;
+        for i in 0..n {
+            right[i] = solved[i] + t * self.q[i] - z1 * self.by_parameters[0][i] - z2 * self.by_parameters[1][i];
+        }
+        (right[n], right[n + 1]) = (z1, z2);
+    }
+}
+
+fn unit(x: &[f64]) -> Vec<f64> {
+    let size = dot(x, x).sqrt();
+    x.iter().map(|x| x / size).collect()
+}

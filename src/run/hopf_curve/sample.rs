@@ -1,0 +1,117 @@
+//! A point of the curve with all that its row needs, and what lies between two of them.
+
+use super::Curve;
+use crate::bifurcation::{Hopf, HopfNormalForm, Segment, Test};
+use crate::branch::Kind;
+use crate::continuation::{Counts, Point};
+use crate::linalg::c64;
+use crate::problem::Problem;
+use rayon::prelude::*;
+
+/// Estimated relative error of a parameter from which on the discretisation counts as too coarse.
+const COARSE: f64 = 1e-3;
+
+/// A point of the curve with all that its row needs.
+pub(super) struct Sample {
+    /// The step that led here.
+    pub(super) segment: Segment,
+    pub(super) point: Point,
+    /// The parameter that is solved for, the other being held.
+    pub(super) free: usize,
+    pub(super) here: Option<Here>,
+    /// The same Hopf point on the refined discretisation.
+    pub(super) fine: Option<Here>,
+    pub(super) others: Vec<c64>,
+    pub(super) mark: Option<(Kind, Option<Test>)>,
+}
+
+/// The Hopf point and what is born there.
+pub(super) struct Here {
+    pub(super) hopf: Hopf,
+    pub(super) form: Option<HopfNormalForm>,
+}
+
+impl Curve<'_> {
+    /// Everything that rows need, side by side.
+    pub(super) fn samples(&self, points: Vec<(Segment, Point, Option<(Kind, Option<Test>)>)>) -> Vec<Sample> {
+        points.into_par_iter().map(|(segment, point, mark)| self.sample(segment, point, mark)).collect()
+    }
+
+    fn sample(&self, segment: Segment, point: Point, mark: Option<(Kind, Option<Test>)>) -> Sample {
+        let problem = &*self.prepared.problem;
+        let vanished = matches!(mark, Some((Kind::BT, _)));
+        let free = match mark {
+            Some((_, Some(Test::Value(0, _)))) => segment.curve.second.index,
+            Some((_, Some(Test::Value(_, _)))) => segment.curve.first.index,
+            _ => segment.curve.solvable(&point),
+        };
+        let here = segment.curve.hopf(&point, free).ok().filter(|_| !vanished);
+        let here = here.map(|hopf| Here { form: HopfNormalForm::new(problem, &hopf).ok(), hopf });
+        let fine = here.as_ref().and_then(|here| self.fine(segment.curve.first.index, free, here));
+        let others = segment.curve.others(&point).unwrap_or_default();
+        Sample { segment, point, free, here, fine, others, mark }
+    }
+
+    /// The same Hopf point on the refined discretisation, one parameter held.
+    fn fine(&self, first: usize, free: usize, here: &Here) -> Option<Here> {
+        let refined = self.refined.as_ref()?;
+        let hopf = &here.hopf;
+        let part = |f: fn(&c64) -> f64| (refined.prolong)(&hopf.q.iter().map(f).collect::<Vec<_>>());
+        let q: Vec<c64> = part(|z| z.re).iter().zip(part(|z| z.im)).map(|(&re, im)| c64::new(re, im)).collect();
+        let problem = &*refined.problem;
+        let found = Hopf::locate(problem, (&(refined.prolong)(&hopf.u), &hopf.p), free, hopf.omega, &q).ok()?;
+        let hopf = if free == first { found } else { found.along(problem, first).ok()? };
+        Some(Here { form: HopfNormalForm::new(problem, &hopf).ok(), hopf })
+    }
+
+    /// Why the discretisation does not resolve the mode here, if so.
+    pub(super) fn too_coarse(&self, sample: &Sample) -> Option<String> {
+        self.refined.as_ref()?;
+        let (here, free) = (sample.here.as_ref()?, sample.free);
+        let name = self.prepared.problem.parameters()[free].name;
+        let off = match &sample.fine {
+            Some(fine) => (fine.hopf.p[free] / here.hopf.p[free] - 1.0).abs(),
+            None => f64::INFINITY,
+        };
+        let advice = "the discretisation does not resolve the mode any more; refine it";
+        (off > COARSE).then(|| format!("the estimated relative error of {name} is {off:.0e}: {advice}"))
+    }
+
+    /// Wanted values and points of codimension two between two neighbours, in the order of the curve.
+    pub(super) fn between(&self, last: &Sample, next: &Sample, counts: &mut Counts) -> Vec<Sample> {
+        let segment = &next.segment;
+        let ended = next.mark.and_then(|(_, test)| test);
+        let mut tests: Vec<(Kind, Test)> = Vec::new();
+        for (k, coordinate) in [segment.curve.first, segment.curve.second].into_iter().enumerate() {
+            let name = self.prepared.problem.parameters()[coordinate.index].name;
+            let wanted = self.task.along.values.get(name).into_iter().flatten();
+            tests.extend(wanted.map(|&value| (Kind::UZ, Test::Value(k, coordinate.of(value)))));
+        }
+        let l1 = |sample: &Sample| sample.here.as_ref().and_then(|here| Some(here.form.as_ref()?.l1));
+        if let (Some(a), Some(b)) = (l1(last), l1(next))
+            && a * b < 0.0
+        {
+            tests.push((Kind::GH, Test::Criticality));
+        }
+        tests.push((Kind::ZH, Test::Steady));
+        tests.extend(Segment::crossing_pairs(&last.others, &next.others).into_iter().map(|test| (Kind::HH, test)));
+        let found: Vec<_> = tests
+            .into_iter()
+            // At the end of the curve a wanted value is that end, and at BT a real eigenvalue vanishes anyway.
+            .filter(|(kind, test)| ended != Some(*test) && !(*kind == Kind::ZH && ended == Some(Test::Frequency)))
+            .filter_map(|(kind, test)| {
+                let point = segment.locate(test, counts).ok()??;
+                Some((segment.clone(), point, Some((kind, Some(test)))))
+            })
+            .collect();
+        let mut samples = self.samples(found);
+        let along = |sample: &Sample| {
+            let (a, b) = (segment.curve.coordinates(&segment.from), segment.curve.coordinates(&segment.to));
+            let z = segment.curve.coordinates(&sample.point);
+            let widths = [segment.curve.first.width, segment.curve.second.width];
+            (0..2).map(|k| (z[k] - a[k]) * (b[k] - a[k]) / widths[k].powi(2)).sum::<f64>()
+        };
+        samples.sort_by(|x, y| along(x).total_cmp(&along(y)));
+        samples
+    }
+}
