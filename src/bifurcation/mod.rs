@@ -22,7 +22,7 @@ pub use branches::{Ambiguous, Followed, follow, settle};
 pub use coordinate::Coordinate;
 pub use double_hopf::DoubleHopf;
 pub use equilibria::Equilibria;
-pub use fold_curve::FoldCurve;
+pub use fold_curve::{FoldCurve, FoldSegment, FoldTest};
 pub use hopf::{Hopf, HopfError};
 pub use hopf_curve::{HopfCurve, Segment, Test, reverse};
 pub use normal_form::HopfNormalForm;

@@ -21,6 +21,7 @@ pub enum BranchKind {
     Equilibria,
     Cycles,
     HopfCurve,
+    FoldCurve,
 }
 
 /// A named column of a branch, with its unit ("" for a pure number).
@@ -57,6 +58,8 @@ pub enum Kind {
     ZH,
     /// Double Hopf point: another pair is on the axis, too.
     HH,
+    /// Cusp: two folds meet.
+    CP,
     /// User value.
     UZ,
     /// End of the branch.

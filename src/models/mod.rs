@@ -1,9 +1,11 @@
 //! The models that scenes can name.
 
 mod flagellum;
+mod lorenz84;
 mod options;
 
 pub use flagellum::{Law, Load, TwoDoublet};
+pub use lorenz84::Lorenz84;
 pub use options::{Choice, ModelError, Options};
 
 use crate::problem::Problem;
@@ -18,16 +20,24 @@ pub struct Model {
     pub build: fn(&Options) -> Result<Arc<dyn Problem>, ModelError>,
 }
 
-pub static REGISTRY: &[Model] = &[Model {
-    name: "two-doublet",
-    meaning: "two coupled elastic doublets in viscous fluid under steady dynein load (Bayly and Dutcher 2016)",
-    options: &[
-        ("load", "\"uniform\" | \"distal\"", "D(s) = 1, or 1 - exp(-s/s0)"),
-        ("law", "\"printed\" | \"separation\"", "cubic normal force: -k_3N int (psi_1 - psi_2)^3 ds, or -k_3N h^3"),
-        ("functions", "28, from 2 to 400", "basis functions per doublet"),
-    ],
-    build: TwoDoublet::build,
-}];
+pub static REGISTRY: &[Model] = &[
+    Model {
+        name: "two-doublet",
+        meaning: "two coupled elastic doublets in viscous fluid under steady dynein load (Bayly and Dutcher 2016)",
+        options: &[
+            ("load", "\"uniform\" | \"distal\"", "D(s) = 1, or 1 - exp(-s/s0)"),
+            ("law", "\"printed\" | \"separation\"", "cubic normal force: -k_3N int (psi_1 - psi_2)^3 ds, or -k_3N h^3"),
+            ("functions", "28, from 2 to 400", "basis functions per doublet"),
+        ],
+        build: TwoDoublet::build,
+    },
+    Model {
+        name: "lorenz-84",
+        meaning: "extended Lorenz-84 model of atmospheric circulation: four equations with every bifurcation of codimension two",
+        options: &[],
+        build: Lorenz84::build,
+    },
+];
 
 pub fn find(name: &str) -> Option<&'static Model> {
     REGISTRY.iter().find(|m| m.name == name)

@@ -44,6 +44,7 @@ fn kind_of(label: &str) -> Option<Kind> {
         "BT" => Some(Kind::BT),
         "ZH" => Some(Kind::ZH),
         "HH" => Some(Kind::HH),
+        "CP" => Some(Kind::CP),
         "UZ" => Some(Kind::UZ),
         "EP" => Some(Kind::EP),
         "MX" => Some(Kind::MX),
@@ -61,6 +62,7 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
         Kind::BT => Some("Bogdanov-Takens point (BT)"),
         Kind::ZH => Some("zero-Hopf point (ZH)"),
         Kind::HH => Some("double Hopf point (HH)"),
+        Kind::CP => Some("cusp (CP)"),
         Kind::UZ => Some("user value (UZ)"),
         Kind::MX => Some("no convergence (MX)"),
         Kind::EP => None,
@@ -71,7 +73,7 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
 pub fn priority(kind: Kind) -> Option<u8> {
     match kind {
         Kind::HB => Some(0),
-        Kind::LP | Kind::GH | Kind::BT | Kind::ZH | Kind::HH => Some(1),
+        Kind::LP | Kind::GH | Kind::BT | Kind::ZH | Kind::HH | Kind::CP => Some(1),
         Kind::MX => Some(2),
         Kind::UZ => Some(3),
         Kind::XP => Some(4),
@@ -107,6 +109,11 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
         Kind::HH => {
             canvas.disc(at, 4.6, INK)?;
             canvas.disc(at, 3.4, WHITE)
+        }
+        Kind::CP => {
+            let hanging: Vec<Point> = shape(&TRIANGLE.map(|(x, y)| (x, -y)));
+            canvas.fill(&hanging, WHITE)?;
+            canvas.line(&hanging, 1.1, INK)
         }
         Kind::XP => {
             let diamond = shape(&DIAMOND);

@@ -5,6 +5,7 @@ mod describe;
 mod equilibria;
 mod figures;
 mod files;
+mod fold_curve;
 mod hopf_curve;
 mod outcome;
 mod plan;
@@ -88,7 +89,10 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
     for task in &scene.tasks {
         let prepared = study.prepare(scene, task)?;
         if let Some((from, at)) = task.kind.from() {
-            start::check(scene, from, at)?;
+            match task.kind {
+                TaskKind::FoldCurve(_) => start::check_fold(scene, from, at)?,
+                _ => start::check(scene, from, at)?,
+            }
         }
         if wanted.contains(task.name.as_str()) {
             tasks.push((task, prepared));
@@ -160,6 +164,10 @@ fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper
         TaskKind::Cycles(cycles) => match source(&cycles.from) {
             Ok(from) => cycles::run(prepared, &task.name, cycles, from, keeper, watch),
             Err(reason) => Outcome::failed(cycles::empty(prepared, &task.name, cycles), reason),
+        },
+        TaskKind::FoldCurve(curve) => match source(&curve.from) {
+            Ok(from) => fold_curve::run(prepared, &task.name, curve, from, watch),
+            Err(reason) => Outcome::failed(fold_curve::empty(prepared, &task.name, curve), reason),
         },
         TaskKind::HopfCurve(curve) => match source(&curve.from) {
             Ok(from) => hopf_curve::run(prepared, &task.name, curve, from, watch),

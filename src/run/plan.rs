@@ -47,6 +47,10 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 out += &yes_no(detect, "Hopf points with their normal form".into(), "detect has no HB");
                 out += &yes_no(e.detect.iter().any(|k| k == "LP"), "folds".into(), "detect has no LP");
             }
+            TaskKind::FoldCurve(curve) => {
+                let _ = writeln!(out, "  computed: folds from {}, both ways along the curve", curve.from);
+                out += "  computed: points of codimension two (CP, BT, ZH)\n";
+            }
             TaskKind::HopfCurve(curve) => {
                 let _ = writeln!(
                     out,

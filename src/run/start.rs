@@ -1,10 +1,12 @@
 //! Hopf points that tasks start from: which may be named, and what of them was stored.
 
 use super::study::Prepared;
+use crate::bifurcation::Coordinate;
 use crate::branch::SpecialPoint;
 use crate::linalg::c64;
 use crate::problem::Problem;
-use crate::scene::{Label, Place, Scene, SceneError, TaskKind};
+use crate::scene::{Along, Label, Place, Range, Scene, SceneError, TaskKind};
+use thiserror::Error;
 
 /// Cycles and curves start at a Hopf point: of a branch of equilibria, or at a wanted value or end of a Hopf curve.
 pub fn check(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
@@ -13,7 +15,7 @@ pub fn check(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
         Some(match task.kind {
             TaskKind::Equilibria(_) => label.kind == "HB",
             TaskKind::HopfCurve(_) => ["UZ", "EP", "GH"].contains(&label.kind),
-            TaskKind::Cycles(_) => false,
+            TaskKind::Cycles(_) | TaskKind::FoldCurve(_) => false,
         })
     });
     match allowed {
@@ -28,6 +30,64 @@ pub fn check(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
     }
 }
 
+#[derive(Debug, Error)]
+pub enum StartError {
+    #[error("the start has {name} = {value}, which does not lie inside the range {from} to {to}")]
+    Outside { name: String, value: f64, from: f64, to: f64 },
+    #[error("{0} is logarithmic, but the start has {0} = {1}")]
+    NotPositive(String, f64),
+}
+
+/// A first parameter without a range counts in parts of so many times its value at the start: the second sets the pace.
+const WIDE: f64 = 10.0;
+
+/// Both free parameters of a curve as coordinates; the start, with parameters p, must lie inside their ranges.
+pub fn coordinates(prepared: &Prepared, along: &Along, p: &[f64]) -> Result<(Coordinate, Coordinate), StartError> {
+    let make = |index: usize, range: Option<&Range>| {
+        let name = prepared.problem.parameters()[index].name.to_owned();
+        let logarithmic = along.logarithmic.contains(&name);
+        let value = p[index];
+        if logarithmic && value <= 0.0 {
+            return Err(StartError::NotPositive(name, value));
+        }
+        let mut coordinate = Coordinate { index, logarithmic, width: 1.0 };
+        match range {
+            Some(range) => {
+                let slack = 1e-12 * (range.to - range.from);
+                if !(range.from - slack..=range.to + slack).contains(&value) {
+                    return Err(StartError::Outside { name, value, from: range.from, to: range.to });
+                }
+                coordinate.width = coordinate.of(range.to) - coordinate.of(range.from);
+            }
+            None if !logarithmic && value != 0.0 => coordinate.width = WIDE * value.abs(),
+            None => {}
+        }
+        Ok(coordinate)
+    };
+    let range = along.others.first().and_then(|axis| axis.range.as_ref());
+    Ok((make(prepared.first(), range)?, make(prepared.free, Some(&along.range))?))
+}
+
+/// Fold curves start at a fold of a branch of equilibria.
+pub fn check_fold(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
+    let label = Label::parse(from);
+    let task = label.and_then(|label| scene.tasks.iter().find(|task| task.name == label.task));
+    match (label, task.map(|task| &task.kind)) {
+        (Some(Label { kind: "LP", .. }), Some(TaskKind::Equilibria(_))) => Ok(()),
+        _ => Err(scene.refuse(
+            at,
+            format!("the start must be a fold, such as \"TASK/LP1\" of a task of kind \"equilibria\", not {from:?}"),
+        )),
+    }
+}
+
+/// State and parameters of a stored equilibrium.
+pub fn equilibrium(prepared: &Prepared, from: &SpecialPoint) -> Option<(Vec<f64>, Vec<f64>)> {
+    let list = prepared.problem.parameters();
+    let p = list.iter().map(|q| from.parameters.get(q.name).copied().unwrap_or(f64::NAN)).collect();
+    Some((from.arrays.get("state")?.data.clone(), p))
+}
+
 /// State, parameters, frequency and eigenvector of a stored Hopf point; None where any is missing.
 pub struct Stored {
     pub u: Vec<f64>,
@@ -40,10 +100,10 @@ impl Stored {
     pub fn read(prepared: &Prepared, from: &SpecialPoint) -> Option<Self> {
         let array = |name: &str| from.arrays.get(name).map(|a| &a.data);
         let (re, im) = (array("q_re")?, array("q_im")?);
-        let list = prepared.problem.parameters();
+        let (u, p) = equilibrium(prepared, from)?;
         Some(Self {
-            u: array("state")?.clone(),
-            p: list.iter().map(|q| from.parameters.get(q.name).copied().unwrap_or(f64::NAN)).collect(),
+            u,
+            p,
             omega: *from.values.get("omega")?,
             q: re.iter().zip(im).map(|(&re, &im)| c64::new(re, im)).collect(),
         })

@@ -1,6 +1,6 @@
 //! A scene resolved against its model: the problem, its parameters, and what each task needs.
 
-use super::hopf_curve;
+use super::{fold_curve, hopf_curve};
 use crate::models::{self, Choice, Options};
 use crate::problem::{Default, Observable, Problem, Tie, Tied};
 use crate::scene::{Expression, Fault, OptionValue, Place, Scene, SceneError, Task, TaskKind, Value, units};
@@ -279,6 +279,7 @@ impl Study {
             TaskKind::Equilibria(_) => &["omega", "frequency", "lyapunov", "growth"],
             TaskKind::Cycles(_) => &["period", "frequency", "trivial_error"],
             TaskKind::HopfCurve(_) => &hopf_curve::VALUES,
+            TaskKind::FoldCurve(_) => &fold_curve::VALUES,
         };
         let list = self.model.observables();
         let mut wanted = BTreeSet::new();
@@ -310,7 +311,9 @@ impl Study {
                 let extremes = list.iter().flat_map(|o| [format!("max {}", o.name), format!("min {}", o.name)]);
                 ["period".to_owned(), "frequency".to_owned()].into_iter().chain(extremes).collect()
             }
-            TaskKind::HopfCurve(_) => along.others.iter().map(|axis| axis.name.clone()).collect(),
+            TaskKind::HopfCurve(_) | TaskKind::FoldCurve(_) => {
+                along.others.iter().map(|axis| axis.name.clone()).collect()
+            }
         };
         for name in along.values.keys().filter(|name| **name != along.free) {
             if !columns.contains(name) {

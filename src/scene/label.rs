@@ -3,7 +3,7 @@
 use super::{Fault, Task, TaskKind};
 
 /// Kinds of points that a scene can refer to.
-pub const POINT_KINDS: [&str; 8] = ["HB", "LP", "UZ", "EP", "GH", "BT", "ZH", "HH"];
+pub const POINT_KINDS: [&str; 9] = ["HB", "LP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP"];
 
 /// "straight/HB1": the first Hopf point of the task "straight".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,7 +65,7 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
         ("UZ", _) => None,
         (_, TaskKind::Equilibria(_)) if !["HB", "LP"].contains(&kind) => {
-            Some(" (points of codimension two are on curves: kind = \"hopf-curve\")".to_owned())
+            Some(" (points of codimension two are on curves: kind = \"hopf-curve\" or \"fold-curve\")".to_owned())
         }
         (_, TaskKind::Equilibria(task)) if task.detect.iter().any(|known| known == kind) => None,
         (_, TaskKind::Equilibria(task)) => {
@@ -75,6 +75,8 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         }
         ("GH" | "BT" | "ZH" | "HH", TaskKind::HopfCurve(_)) => None,
         (_, TaskKind::HopfCurve(_)) => Some(" (it follows Hopf points: only GH, BT, ZH, HH, UZ and EP)".to_owned()),
+        ("CP" | "BT" | "ZH", TaskKind::FoldCurve(_)) => None,
+        (_, TaskKind::FoldCurve(_)) => Some(" (it follows folds: only CP, BT, ZH, UZ and EP)".to_owned()),
         (_, TaskKind::Cycles(_)) => Some(" (it follows cycles: only UZ and EP)".to_owned()),
     }
 }

@@ -123,6 +123,7 @@ pub enum TaskKind {
     Equilibria(Equilibria),
     Cycles(Cycles),
     HopfCurve(Curve),
+    FoldCurve(Curve),
 }
 
 /// A closed range, `from < to`: reversed and empty ranges are refused, as are NaN and infinite ends.
@@ -134,12 +135,13 @@ pub struct Range {
 }
 
 impl TaskKind {
-    /// As the scene names it: "equilibria", "cycles", "hopf-curve".
+    /// As the scene names it: "equilibria", "cycles", "hopf-curve", ...
     pub fn name(&self) -> &'static str {
         match self {
             TaskKind::Equilibria(_) => "equilibria",
             TaskKind::Cycles(_) => "cycles",
             TaskKind::HopfCurve(_) => "hopf-curve",
+            TaskKind::FoldCurve(_) => "fold-curve",
         }
     }
 
@@ -147,7 +149,7 @@ impl TaskKind {
         match self {
             TaskKind::Equilibria(task) => &task.along,
             TaskKind::Cycles(task) => &task.along,
-            TaskKind::HopfCurve(task) => &task.along,
+            TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => &task.along,
         }
     }
 
@@ -156,7 +158,7 @@ impl TaskKind {
         match self {
             TaskKind::Equilibria(_) => None,
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
-            TaskKind::HopfCurve(task) => Some((&task.from, &task.from_at)),
+            TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => Some((&task.from, &task.from_at)),
         }
     }
 }
@@ -222,7 +224,7 @@ pub struct Cycles {
     pub symmetry: bool,
 }
 
-/// `kind = "hopf-curve"`.
+/// `kind = "hopf-curve"` or `"fold-curve"`.
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// Two parameters; only the second must have a range.

@@ -6,13 +6,13 @@ use super::tree::Content;
 use super::{Cycles, Equilibria, SceneError, Task, TaskKind, along, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 3] = ["equilibria", "cycles", "hopf-curve"];
+pub const TASK_KINDS: [&str; 4] = ["equilibria", "cycles", "hopf-curve", "fold-curve"];
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
 const EQUILIBRIA: [&str; 2] = ["spectrum", "detect"];
 const CYCLES: [&str; 6] = ["from", "intervals", "degree", "points", "multipliers", "symmetry"];
-const HOPF_CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
+const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
 
 const MAX_COLUMNS: usize = 1000;
 
@@ -33,13 +33,17 @@ pub(super) fn read(
             TaskKind::Cycles(cycles(section, read, announced)?)
         }
         "hopf-curve" => {
-            section.allow("key of a hopf-curve task", &HOPF_CURVE)?;
+            section.allow("key of a hopf-curve task", &CURVE)?;
             TaskKind::HopfCurve(several::curve(
                 section,
                 read,
                 announced,
                 "from = \"TASK/HB1\", a Hopf point of the curve",
             )?)
+        }
+        "fold-curve" => {
+            section.allow("key of a fold-curve task", &CURVE)?;
+            TaskKind::FoldCurve(several::curve(section, read, announced, "from = \"TASK/LP1\", a fold of the curve")?)
         }
         _ => {
             section.allow("key of an equilibria task", &[&COMMON[..], &EQUILIBRIA].concat())?;

@@ -6,6 +6,7 @@ mod sample;
 mod start;
 
 use super::outcome::{Outcome, Status};
+use super::start::coordinates;
 use super::study::Prepared;
 use super::watch::{Watch, interrupted};
 use crate::bifurcation::{Coordinate, HopfCurve, Segment, Test, reverse};
@@ -109,7 +110,7 @@ struct Curve<'a> {
 impl Curve<'_> {
     fn follow(&self, mut branch: Branch, from: &SpecialPoint, counts: &mut Counts) -> Result<Outcome, CurveError> {
         let hopf = self.hopf(from)?;
-        let coordinates = self.coordinates(&hopf)?;
+        let coordinates = coordinates(self.prepared, &self.task.along, &hopf.p)?;
         self.check_influence(&hopf, coordinates)?;
         let (curve, point) = HopfCurve::start(self.prepared.problem.clone(), &hopf, coordinates, counts)?;
         let mut back = point.clone();
@@ -125,7 +126,10 @@ impl Curve<'_> {
         let (down, up) = rayon::join(|| go(curve.clone(), back), || go(curve.clone(), point));
         *counts += down.1;
         *counts += up.1;
-        let (down, up) = (down.0?, up.0?);
+        let (down, mut up) = (down.0?, up.0?);
+        if down.reason == Stop::Closed.to_string() {
+            up = Way { samples: Vec::new(), reason: down.reason.clone(), status: down.status };
+        }
         let reason = if down.reason == up.reason {
             up.reason
         } else {

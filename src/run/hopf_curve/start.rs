@@ -5,8 +5,7 @@ use crate::bifurcation::{Coordinate, Hopf, HopfError, HopfNormalForm};
 use crate::branch::SpecialPoint;
 use crate::continuation::Failure;
 use crate::problem::Problem;
-use crate::run::start::Stored;
-use crate::scene;
+use crate::run::start::{StartError, Stored};
 use thiserror::Error;
 
 #[derive(Debug, Error)]
@@ -17,18 +16,14 @@ pub(super) enum CurveError {
     Start(#[from] HopfError),
     #[error("{0} is not stored with its eigenvector")]
     Incomplete(String),
-    #[error("the start has {name} = {value}, which does not lie inside the range {from} to {to}")]
-    Outside { name: String, value: f64, from: f64, to: f64 },
-    #[error("{0} is logarithmic, but the start has {0} = {1}")]
-    NotPositive(String, f64),
+    #[error(transparent)]
+    Place(#[from] StartError),
     #[error("neither {0} nor {1} moves the Hopf point: there is no curve in these parameters")]
     NoCurve(String, String),
     #[error("{0} changes neither the Hopf point nor its criticality: the problem does not depend on it here")]
     Idle(String),
 }
 
-/// A first parameter without a range counts in parts of so many times its value at the start: the second sets the pace.
-const WIDE: f64 = 10.0;
 /// Relative changes of sigma below this, over a whole range, are none.
 const IDLE: f64 = 1e-10;
 
@@ -49,35 +44,6 @@ impl Curve<'_> {
                 failure => failure.into(),
             }),
         }
-    }
-
-    pub(super) fn coordinates(&self, hopf: &Hopf) -> Result<(Coordinate, Coordinate), CurveError> {
-        let make = |index: usize, range: Option<&scene::Range>| {
-            let name = self.prepared.problem.parameters()[index].name.to_owned();
-            let logarithmic = self.task.along.logarithmic.contains(&name);
-            let value = hopf.p[index];
-            if logarithmic && value <= 0.0 {
-                return Err(CurveError::NotPositive(name, value));
-            }
-            let mut coordinate = Coordinate { index, logarithmic, width: 1.0 };
-            match range {
-                Some(range) => {
-                    let slack = 1e-12 * (range.to - range.from);
-                    if !(range.from - slack..=range.to + slack).contains(&value) {
-                        return Err(CurveError::Outside { name, value, from: range.from, to: range.to });
-                    }
-                    coordinate.width = coordinate.of(range.to) - coordinate.of(range.from);
-                }
-                None if !logarithmic && value != 0.0 => coordinate.width = WIDE * value.abs(),
-                None => {}
-            }
-            Ok(coordinate)
-        };
-        let first = self.prepared.first();
-        Ok((
-            make(first, self.task.along.others.first().and_then(|axis| axis.range.as_ref()))?,
-            make(self.prepared.free, Some(&self.task.along.range))?,
-        ))
     }
 
     /// One of the parameters must move the Hopf point, and each must change something.
