@@ -278,12 +278,15 @@ impl Study {
             TaskKind::Equilibria(_) => &["omega", "frequency", "lyapunov", "growth"],
             TaskKind::Cycles(_) => &["period", "frequency", "trivial_error"],
             TaskKind::HopfCurve(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im", "omega_2"],
+            TaskKind::Calibration(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im"],
         };
         let list = self.model.observables();
+        let fitted = if let TaskKind::Calibration(task) = &task.kind { task.columns() } else { Vec::new() };
         let mut wanted = BTreeSet::new();
         let mut note = |name: &str, at: &Place| -> Result<(), SceneError> {
             let base = name.strip_prefix("max ").or(name.strip_prefix("min ")).unwrap_or(name);
             let column = own.contains(&name) || name == along.free || is_spectral(name);
+            let column = column || fitted.iter().any(|own| own == name);
             let parameter = self.model.parameters().iter().any(|q| q.name == name);
             match list.iter().position(|o| o.name == base) {
                 Some(i) => {
@@ -310,6 +313,7 @@ impl Study {
                 ["period".to_owned(), "frequency".to_owned()].into_iter().chain(extremes).collect()
             }
             TaskKind::HopfCurve(_) => along.others.iter().map(|axis| axis.name.clone()).collect(),
+            TaskKind::Calibration(_) => Vec::new(),
         };
         for name in along.values.keys().filter(|name| **name != along.free) {
             if !columns.contains(name) {
