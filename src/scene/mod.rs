@@ -187,7 +187,7 @@ pub struct Along {
     pub logarithmic: Vec<String>,
     /// Points wanted exactly: column or parameter, values. Labelled UZ1, UZ2, ... along the branch.
     pub values: BTreeMap<String, Vec<f64>>,
-    /// Largest step in the free parameter; default: a fiftieth of the range.
+    /// Largest step in the free parameter, in decades where it is logarithmic; default: a fiftieth of the range.
     pub max_step: Option<f64>,
     /// Most points of the branch. Default 1000.
     pub max_points: usize,
