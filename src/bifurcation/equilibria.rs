@@ -1,24 +1,25 @@
-//! Equilibria `G(u, 0, p) = 0` as a curve in one parameter.
+//! Equilibria `G(u, 0, p) = 0` as a curve in one parameter, or in its logarithm.
 
+use super::Coordinate;
 use crate::continuation::{Border, Factored, System};
 use crate::linalg::{Bordered, Eigenpair, Singular, pencil};
 use crate::problem::{At, Direction, Problem};
 use std::sync::Arc;
 
-/// The system; arclength counts the root mean square of u over `scale_state`, and lambda over `scale_lambda`.
+/// The system, with the coordinate of the free parameter as lambda; arclength counts the root mean square of u over
+/// `scale_state`, and lambda over the coordinate's width.
 #[derive(Clone)]
 pub struct Equilibria {
     pub problem: Arc<dyn Problem>,
     pub p: Vec<f64>,
-    pub free: usize,
+    pub coordinate: Coordinate,
     pub scale_state: f64,
-    pub scale_lambda: f64,
 }
 
 impl Equilibria {
     pub fn parameters(&self, lambda: f64) -> Vec<f64> {
         let mut p = self.p.clone();
-        p[self.free] = lambda;
+        p[self.coordinate.index] = self.coordinate.value(lambda);
         p
     }
 
@@ -46,7 +47,7 @@ impl System for Equilibria {
         let at = At { u: x, v: &rest, p: &p };
         let (gu, _) = self.problem.linearised(at);
         let mut unit = vec![0.0; p.len()];
-        unit[self.free] = 1.0;
+        unit[self.coordinate.index] = self.coordinate.rate(lambda);
         let mut by_lambda = vec![0.0; n];
         self.problem.derivative(at, &[Direction { u: &[], v: &[], p: &unit }], &mut by_lambda);
         Bordered::new(gu.dense(), &by_lambda, &border.row, border.lambda)
@@ -58,7 +59,7 @@ impl System for Equilibria {
     }
 
     fn dual_lambda(&self) -> f64 {
-        self.scale_lambda.powi(-2)
+        self.coordinate.width.powi(-2)
     }
 }
 

@@ -3,6 +3,7 @@
 mod bautin;
 mod bogdanov_takens;
 mod branches;
+mod calibration;
 mod centre;
 mod coordinate;
 mod double_hopf;
@@ -19,6 +20,7 @@ mod zero_hopf;
 pub use bautin::Bautin;
 pub use bogdanov_takens::BogdanovTakens;
 pub use branches::{Ambiguous, Followed, follow, settle};
+pub use calibration::{Analysis, Calibration, Fit, FitError, Lost, Place, Quantity, Target, Unknown};
 pub use coordinate::Coordinate;
 pub use double_hopf::DoubleHopf;
 pub use equilibria::Equilibria;

@@ -355,9 +355,10 @@ impl<'a> Spectra<'a> {
             .min_by(|p, q| (p.value - expected).norm().total_cmp(&(q.value - expected).norm()))?;
         let p = self.system.parameters(near.lambda);
         let problem = &*self.system.problem;
-        let hopf = Hopf::locate(problem, (&near.x, &p), self.system.free, pair.value.im, &pair.vector).ok()?;
+        let coordinate = self.system.coordinate;
+        let hopf = Hopf::locate(problem, (&near.x, &p), coordinate.index, pair.value.im, &pair.vector).ok()?;
         let form = HopfNormalForm::new(problem, &hopf).ok()?;
-        let lambda = hopf.p[self.system.free];
+        let lambda = coordinate.of(hopf.p[coordinate.index]);
         let (low, high) = (a.point.lambda.min(b.point.lambda), a.point.lambda.max(b.point.lambda));
         let slack = 1e-9 * (high - low);
         if lambda < low - slack || lambda > high + slack {

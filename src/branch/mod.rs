@@ -22,6 +22,7 @@ pub enum BranchKind {
     Cycles,
     HopfCurve,
     FoldCurve,
+    Calibration,
 }
 
 /// A named column of a branch, with its unit ("" for a pure number).

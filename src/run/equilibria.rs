@@ -4,7 +4,7 @@ use super::outcome::{Outcome, Status, labels};
 use super::study::Prepared;
 use super::watch::{Watch, interrupted};
 use super::wave;
-use crate::bifurcation::{Equilibria, Hopf, HopfNormalForm, Mark, Sample, Spectra, leading};
+use crate::bifurcation::{Coordinate, Equilibria, Hopf, HopfNormalForm, Mark, Sample, Spectra, leading};
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Border, Counts, Failure, Point, StepControl, Stop, Walk, at_lambda, correct, crossing};
 use crate::linalg::c64;
@@ -45,7 +45,7 @@ fn follow(
     counts: &mut Counts,
 ) -> Result<Outcome, Failure> {
     let along = &task.along;
-    let mut system = system(prepared, &along.range);
+    let mut system = system(prepared, along);
     let (points, stop) = walk(prepared, &mut system, along, watch, counts)?;
     let mut samples: Vec<Sample> = points.into_iter().map(|point| Sample::new(point, None)).collect();
     if let Some(last) = samples.last_mut() {
@@ -102,14 +102,11 @@ fn follow(
     Ok(Outcome { branch, status, reason: stop.to_string(), seconds: 0.0, counts: *counts })
 }
 
-fn system(prepared: &Prepared, range: &scene::Range) -> Equilibria {
-    Equilibria {
-        problem: prepared.problem.clone(),
-        p: prepared.p.clone(),
-        free: prepared.free,
-        scale_state: 1.0,
-        scale_lambda: (range.to - range.from).abs(),
-    }
+fn system(prepared: &Prepared, along: &scene::Along) -> Equilibria {
+    let logarithmic = along.logarithmic.contains(&along.free);
+    let mut coordinate = Coordinate { index: prepared.free, logarithmic, width: 1.0 };
+    coordinate.width = coordinate.of(along.range.to) - coordinate.of(along.range.from);
+    Equilibria { problem: prepared.problem.clone(), p: prepared.p.clone(), coordinate, scale_state: 1.0 }
 }
 
 /// The branch from one end of the range, with its step control alone.
@@ -120,7 +117,8 @@ fn walk(
     watch: &Watch,
     counts: &mut Counts,
 ) -> Result<(Vec<Point>, Stop), Failure> {
-    let (from, to) = (along.range.from, along.range.to);
+    let coordinate = system.coordinate;
+    let (from, to) = (coordinate.of(along.range.from), coordinate.of(along.range.to));
     let u = prepared.problem.start(&system.parameters(from));
     let rms = (u.iter().map(|u| u * u).sum::<f64>() / u.len() as f64).sqrt();
     if rms > 0.0 {
@@ -142,7 +140,7 @@ fn walk(
         match walk.step() {
             Ok(step) => {
                 let lambda = step.to.lambda;
-                watch.at((lambda - from) / (to - from), format!("{} = {lambda:.6}", along.free));
+                watch.at((lambda - from) / (to - from), format!("{} = {:.6}", along.free, coordinate.value(lambda)));
                 points.push(step.to);
                 if let Some(stop) = step.stop {
                     break stop;
@@ -166,7 +164,7 @@ fn user_values(
         let observable = system.problem.observables().iter().position(|o| o.name == name);
         for &goal in wanted {
             let value = |point: &Point| match observable {
-                None => point.lambda - goal,
+                None => point.lambda - system.coordinate.of(goal),
                 Some(i) => observe(system, point, i) - goal,
             };
             let mut i = 0;
@@ -176,7 +174,7 @@ fn user_values(
                 } else if i > 0 && value(&samples[i - 1].point) * value(&samples[i].point) < 0.0 {
                     let ends = (&samples[i - 1].point, &samples[i].point);
                     let point = match observable {
-                        None => at_lambda(system, ends, goal, counts)?.point,
+                        None => at_lambda(system, ends, system.coordinate.of(goal), counts)?.point,
                         Some(_) => crossing(system, ends, &value, counts)?,
                     };
                     samples.insert(i, Sample::new(point, Some(Mark::User)));
@@ -226,6 +224,9 @@ fn rows(prepared: &Prepared, system: &Equilibria, task: &scene::Equilibria, samp
     let column = |name: &str, unit: &str| Column { name: name.to_owned(), unit: unit.to_owned() };
     let observables = prepared.problem.observables();
     branch.columns.push(column(&prepared.free_name, &prepared.free_unit));
+    if system.coordinate.logarithmic {
+        branch.columns.push(column(&format!("log10 {}", prepared.free_name), ""));
+    }
     for &i in &prepared.observables {
         branch.columns.push(column(observables[i].name, observables[i].unit));
     }
@@ -236,7 +237,9 @@ fn rows(prepared: &Prepared, system: &Equilibria, task: &scene::Equilibria, samp
         branch.columns.push(column(&format!("im_{k}"), &turn));
     }
     for sample in samples {
-        let mut values = vec![Some(sample.point.lambda)];
+        let lambda = sample.point.lambda;
+        let mut values = vec![Some(system.coordinate.value(lambda))];
+        values.extend(system.coordinate.logarithmic.then_some(Some(lambda)));
         values.extend(prepared.observables.iter().map(|&i| Some(observe(system, &sample.point, i))));
         for &k in &shown {
             values.extend([Some(sample.followed[k].re), Some(sample.followed[k].im)]);
@@ -327,22 +330,23 @@ fn estimate(
         let border = Border { row: vec![0.0; u.len()], lambda: 1.0 };
         correct(&fine, (u, point.lambda), &border, &mut Counts::default()).ok().map(|c| c.point)
     };
-    let (lambda, values) = match &sample.mark {
+    let coordinate = system.coordinate;
+    let (free, values) = match &sample.mark {
         Some(Mark::Hopf(found)) => {
             let hopf = &found.0;
             let part = |f: fn(&c64) -> f64| (refined.prolong)(&hopf.q.iter().map(f).collect::<Vec<_>>());
             let q: Vec<c64> = part(|z| z.re).iter().zip(part(|z| z.im)).map(|(&re, im)| c64::new(re, im)).collect();
             let start = ((refined.prolong)(&hopf.u), hopf.p.clone());
             let problem = &*refined.problem;
-            let located = Hopf::locate(problem, (&start.0, &start.1), system.free, hopf.omega, &q);
+            let located = Hopf::locate(problem, (&start.0, &start.1), system.coordinate.index, hopf.omega, &q);
             let Ok(located) = located else { return };
             let Ok(form) = HopfNormalForm::new(problem, &located) else { return };
-            (Some(located.p[system.free]), of_hopf(&located, &form))
+            (Some(located.p[coordinate.index]), of_hopf(&located, &form))
         }
         Some(Mark::Exceptional(mean)) => {
             let (Some(a), Some(b), Some(tool)) = (neighbours.0, neighbours.1, spectra) else { return };
             let Some(lambda) = tool.exceptional_on(&fine, (a, sample, b), settle, *mean) else { return };
-            (Some(lambda), BTreeMap::new())
+            (Some(coordinate.value(lambda)), BTreeMap::new())
         }
         _ => {
             let Some(settled) = settle(&sample.point) else { return };
@@ -355,8 +359,9 @@ fn estimate(
         Some(Mark::Hopf(found)) => found.0.rounding,
         _ => (0.0, 0.0),
     };
-    if let Some(lambda) = lambda {
-        point.errors.insert(prepared.free_name.clone(), error(sample.point.lambda, lambda).max(rounding.0));
+    if let Some(free) = free {
+        let here = coordinate.value(sample.point.lambda);
+        point.errors.insert(prepared.free_name.clone(), error(here, free).max(rounding.0));
     }
     for (name, &value) in &point.values {
         if let Some(&fine) = values.get(name).filter(|fine| **fine != 0.0 || value != 0.0) {

@@ -15,7 +15,7 @@ pub fn check(scene: &Scene) -> Result<(), SceneError> {
         for task in scene.tasks.iter().filter(|task| figure.tasks.contains(&task.name)) {
             let spectrum = match &task.kind {
                 TaskKind::Equilibria(equilibria) => equilibria.spectrum,
-                TaskKind::Cycles(_) | TaskKind::HopfCurve(_) | TaskKind::FoldCurve(_) => 0,
+                _ => 0,
             };
             if spectrum == 0 {
                 let message = format!("figure {:?} shows its eigenvalues; add spectrum = 8 to this task", figure.name);

@@ -1,5 +1,6 @@
 //! From a scene to files: the only place that knows all the others.
 
+mod calibration;
 mod cycles;
 mod describe;
 mod equilibria;
@@ -94,6 +95,9 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
                 _ => start::check(scene, from, at)?,
             }
         }
+        if let TaskKind::Calibration(fit) = &task.kind {
+            calibration::check(scene, &study, fit)?;
+        }
         if wanted.contains(task.name.as_str()) {
             tasks.push((task, prepared));
         }
@@ -172,6 +176,10 @@ fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper
         TaskKind::HopfCurve(curve) => match source(&curve.from) {
             Ok(from) => hopf_curve::run(prepared, &task.name, curve, from, watch),
             Err(reason) => Outcome::failed(hopf_curve::empty(prepared, &task.name, curve), reason),
+        },
+        TaskKind::Calibration(fit) => match source(&fit.from) {
+            Ok(from) => calibration::run(prepared, &task.name, fit, from, watch),
+            Err(reason) => Outcome::failed(calibration::empty(prepared, &task.name, fit), reason),
         },
     }
 }

@@ -59,6 +59,15 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 );
                 out += "  computed: points of codimension two (GH, BT, ZH, HH)\n";
             }
+            TaskKind::Calibration(c) => {
+                let targets: Vec<String> = c.targets.iter().map(|t| format!("{} = {}", t.quantity, t.value)).collect();
+                let (from, starts) = (&c.from, c.starts);
+                let _ = writeln!(
+                    out,
+                    "  computed: where {from} has {}, from {starts} starts in the box",
+                    targets.join(", ")
+                );
+            }
             TaskKind::Cycles(c) => {
                 let points = if c.gauss { "Gauss" } else { "Radau" };
                 let _ = writeln!(

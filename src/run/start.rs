@@ -8,13 +8,15 @@ use crate::problem::Problem;
 use crate::scene::{Along, Label, Place, Range, Scene, SceneError, TaskKind};
 use thiserror::Error;
 
-/// Cycles and curves start at a Hopf point: of a branch of equilibria, or at a wanted value or end of a Hopf curve.
+/// Cycles and curves start at a Hopf point: of a branch of equilibria, at a wanted value or end of a Hopf curve, or
+/// found by a calibration.
 pub fn check(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
     let allowed = Label::parse(from).and_then(|label| {
         let task = scene.tasks.iter().find(|task| task.name == label.task)?;
         Some(match task.kind {
             TaskKind::Equilibria(_) => label.kind == "HB",
             TaskKind::HopfCurve(_) => ["UZ", "EP", "GH"].contains(&label.kind),
+            TaskKind::Calibration(_) => label.kind == "UZ",
             TaskKind::Cycles(_) | TaskKind::FoldCurve(_) => false,
         })
     });
@@ -24,7 +26,7 @@ pub fn check(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
             at,
             format!(
                 "the start must be a Hopf point, such as \"TASK/HB1\" of a task of kind \"equilibria\" or \"TASK/UZ1\" of \
-                 one of kind \"hopf-curve\", not {from:?}"
+                 one of kind \"hopf-curve\" or \"calibration\", not {from:?}"
             ),
         )),
     }

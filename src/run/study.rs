@@ -280,12 +280,15 @@ impl Study {
             TaskKind::Cycles(_) => &["period", "frequency", "trivial_error"],
             TaskKind::HopfCurve(_) => &hopf_curve::VALUES,
             TaskKind::FoldCurve(_) => &fold_curve::VALUES,
+            TaskKind::Calibration(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im"],
         };
         let list = self.model.observables();
+        let fitted = if let TaskKind::Calibration(task) = &task.kind { task.columns() } else { Vec::new() };
         let mut wanted = BTreeSet::new();
         let mut note = |name: &str, at: &Place| -> Result<(), SceneError> {
             let base = name.strip_prefix("max ").or(name.strip_prefix("min ")).unwrap_or(name);
             let column = own.contains(&name) || name == along.free || is_spectral(name);
+            let column = column || fitted.iter().any(|own| own == name);
             let parameter = self.model.parameters().iter().any(|q| q.name == name);
             match list.iter().position(|o| o.name == base) {
                 Some(i) => {
@@ -314,6 +317,7 @@ impl Study {
             TaskKind::HopfCurve(_) | TaskKind::FoldCurve(_) => {
                 along.others.iter().map(|axis| axis.name.clone()).collect()
             }
+            TaskKind::Calibration(_) => Vec::new(),
         };
         for name in along.values.keys().filter(|name| **name != along.free) {
             if !columns.contains(name) {

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::entry::{Entry, Section};
+use super::several::among;
 use super::{Along, Fault, Range, SceneError};
 
 pub(super) const MAX_POINTS: usize = 1_000_000;
@@ -15,6 +16,10 @@ pub(super) fn read(section: &Section<'_>) -> Result<Along, SceneError> {
     }
     let range = section.need("range", "range = [from, to], the ends of the free parameter")?;
     let range = read_range(&range, name)?;
+    let logarithmic = match section.get("log") {
+        Some(entry) => logarithmic(&entry, name, &range)?,
+        None => Vec::new(),
+    };
     Ok(Along {
         values: match section.get("values") {
             Some(entry) => values(&entry, name, &range)?,
@@ -41,8 +46,27 @@ pub(super) fn read(section: &Section<'_>) -> Result<Along, SceneError> {
         free_at: free.at,
         range,
         others: Vec::new(),
-        logarithmic: Vec::new(),
+        logarithmic,
     })
+}
+
+/// `true`, or the parameter's name in a list, as where several are free.
+fn logarithmic(entry: &Entry<'_>, free: &str, range: &Range) -> Result<Vec<String>, SceneError> {
+    let free = vec![free.to_owned()];
+    let wanted = match entry.flag() {
+        Ok(flag) => flag,
+        Err(_) => !among(entry, &free)?.is_empty(),
+    };
+    if !wanted {
+        return Ok(Vec::new());
+    }
+    if range.from <= 0.0 {
+        return Err(entry.error(Fault::OutOfBounds {
+            found: format!("a range from {}", range.from),
+            allowed: "ranges with ends greater than 0".to_owned(),
+        }));
+    }
+    Ok(free)
 }
 
 /// `[0, 500]` or `{ p = [0, 500] }`.

@@ -105,10 +105,13 @@ fn drawn(section: &Section<'_>, tasks: &[Task]) -> Result<Vec<String>, SceneErro
 
 /// The free parameter of the drawn tasks, the default horizontal axis.
 fn common_parameter(section: &Section<'_>, drawn: &[String], tasks: &[Task]) -> Result<String, SceneError> {
-    let mut free = tasks.iter().filter(|task| drawn.contains(&task.name)).map(|task| task.kind.along().free.as_str());
-    let first = free.next();
-    match first {
-        Some(first) if free.all(|other| other == first) => Ok(first.to_owned()),
+    let mut free = tasks.iter().filter(|task| drawn.contains(&task.name)).map(|task| {
+        let along = task.kind.along();
+        let logarithm = if along.logarithmic.contains(&along.free) { "log10 " } else { "" };
+        format!("{logarithm}{}", along.free)
+    });
+    match free.next() {
+        Some(first) if free.all(|other| other == first) => Ok(first),
         _ => Err(section.error(Fault::Missing {
             what: "the key \"x\" (the tasks vary different parameters)".to_owned(),
             example: "x = \"COLUMN\", the horizontal axis".to_owned(),

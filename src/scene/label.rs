@@ -61,6 +61,8 @@ pub(super) fn check(text: &str, read: &[Task], announced: &[Announced]) -> Resul
 fn obstacle(task: &Task, kind: &str) -> Option<String> {
     let along = task.kind.along();
     match (kind, &task.kind) {
+        ("UZ", TaskKind::Calibration(_)) => None,
+        (_, TaskKind::Calibration(_)) => Some(" (its solutions are UZ1, UZ2, ...)".to_owned()),
         ("EP", _) => None,
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
         ("UZ", _) => None,

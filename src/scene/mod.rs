@@ -1,6 +1,7 @@
 //! A scene: one TOML file per study, typed, with the place of every entry for error messages. No numerics.
 
 mod along;
+mod calibration;
 mod entry;
 mod error;
 mod expect;
@@ -18,6 +19,7 @@ mod tests;
 mod tree;
 pub mod units;
 
+pub use calibration::QUANTITIES;
 pub use error::{EntryError, Fault, SceneError, suggest};
 pub use expression::Expression;
 pub use figure::FIGURE_KINDS;
@@ -124,6 +126,7 @@ pub enum TaskKind {
     Cycles(Cycles),
     HopfCurve(Curve),
     FoldCurve(Curve),
+    Calibration(Calibration),
 }
 
 /// A closed range, `from < to`: reversed and empty ranges are refused, as are NaN and infinite ends.
@@ -142,6 +145,7 @@ impl TaskKind {
             TaskKind::Cycles(_) => "cycles",
             TaskKind::HopfCurve(_) => "hopf-curve",
             TaskKind::FoldCurve(_) => "fold-curve",
+            TaskKind::Calibration(_) => "calibration",
         }
     }
 
@@ -150,6 +154,7 @@ impl TaskKind {
             TaskKind::Equilibria(task) => &task.along,
             TaskKind::Cycles(task) => &task.along,
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => &task.along,
+            TaskKind::Calibration(task) => &task.along,
         }
     }
 
@@ -159,6 +164,7 @@ impl TaskKind {
             TaskKind::Equilibria(_) => None,
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => Some((&task.from, &task.from_at)),
+            TaskKind::Calibration(task) => Some((&task.from, &task.from_at)),
         }
     }
 }
@@ -183,7 +189,7 @@ pub struct Along {
     pub logarithmic: Vec<String>,
     /// Points wanted exactly: column or parameter, values. Labelled UZ1, UZ2, ... along the branch.
     pub values: BTreeMap<String, Vec<f64>>,
-    /// Largest step in the free parameter; default: a fiftieth of the range.
+    /// Largest step in the free parameter, in decades where it is logarithmic; default: a fiftieth of the range.
     pub max_step: Option<f64>,
     /// Most points of the branch. Default 1000.
     pub max_points: usize,
@@ -232,6 +238,48 @@ pub struct Curve {
     /// "straight/HB1".
     pub from: String,
     pub from_at: Place,
+}
+
+/// `kind = "calibration"`.
+#[derive(Clone, Debug)]
+pub struct Calibration {
+    /// The first of its parameters is solved for at the Hopf point and has no range; the others are the unknowns.
+    pub along: Along,
+    /// "straight/HB1", of a task of kind "equilibria".
+    pub from: String,
+    pub from_at: Place,
+    /// At least as many as unknowns.
+    pub targets: Vec<Wanted>,
+    /// Points of the box from which solutions are looked for. Default 16.
+    pub starts: usize,
+}
+
+/// A target of a calibration: all have a standard deviation, or none.
+#[derive(Clone, Debug)]
+pub struct Wanted {
+    pub quantity: String,
+    pub value: f64,
+    pub sigma: Option<f64>,
+    pub at: Place,
+}
+
+impl Calibration {
+    /// The parameters to be found, with their ranges.
+    pub fn unknowns(&self) -> Vec<(&str, &Range)> {
+        let others = self.along.others.iter().filter_map(|axis| Some((axis.name.as_str(), axis.range.as_ref()?)));
+        others.chain([(self.along.free.as_str(), &self.along.range)]).collect()
+    }
+
+    /// Names of the numbers that only this task has.
+    pub fn columns(&self) -> Vec<String> {
+        let mut names = vec!["chi2".to_owned(), "condition".to_owned()];
+        names.extend(self.targets.iter().map(|target| format!("residual {}", target.quantity)));
+        for (unknown, _) in self.unknowns() {
+            names.push(format!("sigma {unknown}"));
+            names.extend(self.targets.iter().map(|target| format!("d {unknown}/d {}", target.quantity)));
+        }
+        names
+    }
 }
 
 /// `[[figure]]`.

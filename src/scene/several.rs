@@ -70,7 +70,7 @@ pub(super) fn along(section: &Section<'_>, example: &[&str], bounded: usize) -> 
 }
 
 /// A list of some of the free parameters.
-fn among(entry: &Entry<'_>, names: &[String]) -> Result<Vec<String>, SceneError> {
+pub(super) fn among(entry: &Entry<'_>, names: &[String]) -> Result<Vec<String>, SceneError> {
     for item in entry.list("a list of free parameters")? {
         if !names.iter().any(|name| Ok(name.as_str()) == item.text().as_deref().map_err(|_| ())) {
             return Err(item.error(Fault::unknown("free parameter", item.text()?, names.iter().map(String::as_str))));
@@ -80,7 +80,11 @@ fn among(entry: &Entry<'_>, names: &[String]) -> Result<Vec<String>, SceneError>
 }
 
 /// `{ L = [4, 30], p = [0, 1000] }`: one for each parameter, where given.
-fn ranges(section: &Section<'_>, names: &[String], logarithmic: &[String]) -> Result<Vec<Option<Range>>, SceneError> {
+pub(super) fn ranges(
+    section: &Section<'_>,
+    names: &[String],
+    logarithmic: &[String],
+) -> Result<Vec<Option<Range>>, SceneError> {
     let example = format!("{{ {} = [from, to] }}", names.last().map_or("p", String::as_str));
     let entry = section.need("range", &format!("range = {example}, the bounds"))?;
     let table = entry.section(&format!("a table such as {example}"))?;

@@ -3,16 +3,17 @@
 use super::entry::{Entry, Section};
 use super::label::{self, Announced};
 use super::tree::Content;
-use super::{Cycles, Equilibria, SceneError, Task, TaskKind, along, several};
+use super::{Cycles, Equilibria, SceneError, Task, TaskKind, along, calibration, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 4] = ["equilibria", "cycles", "hopf-curve", "fold-curve"];
+pub const TASK_KINDS: [&str; 5] = ["equilibria", "cycles", "hopf-curve", "fold-curve", "calibration"];
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
-const EQUILIBRIA: [&str; 2] = ["spectrum", "detect"];
+const EQUILIBRIA: [&str; 3] = ["log", "spectrum", "detect"];
 const CYCLES: [&str; 6] = ["from", "intervals", "degree", "points", "multipliers", "symmetry"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
+const CALIBRATION: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "targets", "starts", "errors"];
 
 const MAX_COLUMNS: usize = 1000;
 
@@ -24,7 +25,7 @@ pub(super) fn read(
     announced: &[Announced],
 ) -> Result<Task, SceneError> {
     // A misspelt "kind" is to be named as such, so first the keys that no kind knows.
-    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["log"]].concat())?;
+    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts"]].concat())?;
     let kinds = TASK_KINDS.map(|kind| format!("{kind:?}")).join(" or ");
     let kind = section.need("kind", &format!("kind = {kinds}"))?;
     let kind = match kind.choice("task kind", &TASK_KINDS)? {
@@ -44,6 +45,10 @@ pub(super) fn read(
         "fold-curve" => {
             section.allow("key of a fold-curve task", &CURVE)?;
             TaskKind::FoldCurve(several::curve(section, read, announced, "from = \"TASK/LP1\", a fold of the curve")?)
+        }
+        "calibration" => {
+            section.allow("key of a calibration task", &CALIBRATION)?;
+            TaskKind::Calibration(calibration::read(section, read, announced)?)
         }
         _ => {
             section.allow("key of an equilibria task", &[&COMMON[..], &EQUILIBRIA].concat())?;

@@ -2,7 +2,7 @@
 #![allow(dead_code)]
 
 use faer::Mat;
-use hopfline::bifurcation::{Equilibria, Hopf, HopfNormalForm};
+use hopfline::bifurcation::{Coordinate, Equilibria, Hopf, HopfNormalForm};
 use hopfline::continuation::{Border, Counts, StepControl, Stop, System, Walk, correct};
 use hopfline::linalg::c64;
 use hopfline::models::{Law, Load, TwoDoublet};
@@ -48,7 +48,8 @@ pub fn spectrum(
     shift: f64,
     vectors: usize,
 ) -> Vec<(c64, Vec<c64>)> {
-    let system = Equilibria { problem: problem.clone(), p: p.to_vec(), free: 0, scale_state: 1.0, scale_lambda: 1.0 };
+    let coordinate = Coordinate { index: 0, logarithmic: false, width: 1.0 };
+    let system = Equilibria { problem: problem.clone(), p: p.to_vec(), coordinate, scale_state: 1.0 };
     let pairs = system.spectrum(u, p[0], shift, vectors).expect("a spectrum");
     pairs.into_iter().map(|pair| (pair.value, pair.vector)).collect()
 }

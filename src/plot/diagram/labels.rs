@@ -5,12 +5,13 @@ use crate::branch::BranchKind;
 use crate::plot::text;
 use plotters::style::RGBColor;
 
-/// Colours and what they stand for: all equilibria together, each branch of cycles.
+/// Colours and what they stand for: all equilibria together, each branch of cycles. Solutions of a calibration are
+/// symbols without a curve.
 pub fn names(series: &[Series]) -> Vec<(RGBColor, String)> {
     let mut names: Vec<(RGBColor, String)> = Vec::new();
     let mut equilibria: Option<usize> = None;
     let mut last = None;
-    for one in series {
+    for one in series.iter().filter(|one| one.branch.kind != BranchKind::Calibration) {
         if last.replace(one.task) == Some(one.task) {
             continue;
         }

@@ -39,7 +39,7 @@ pub fn series<'a>(x: &str, y: &[String], branches: &[&'a Branch]) -> Vec<Series<
     for (task, branch) in branches.iter().enumerate() {
         let colour = match branch.kind {
             BranchKind::Equilibria => style::EQUILIBRIA,
-            BranchKind::Cycles | BranchKind::HopfCurve | BranchKind::FoldCurve => style::cycles(cycles),
+            _ => style::cycles(cycles),
         };
         let before = found.len();
         let Some(x) = column(branch, x) else { continue };
@@ -78,7 +78,12 @@ impl Series<'_> {
     }
 
     /// The points in runs of one stability; runs that touch share a point. A gap in the numbers is a gap between runs.
+    /// Solutions of a calibration are no curve: each stands for itself.
     pub fn runs(&self) -> Vec<Run> {
+        if self.branch.kind == BranchKind::Calibration {
+            let one = |(row, point)| Run { stability: self.stability_at(row), points: vec![point] };
+            return self.points().map(one).collect();
+        }
         let turns = self.turns();
         let mut runs: Vec<Run> = Vec::new();
         let mut last: Option<usize> = None;
