@@ -205,6 +205,8 @@ pub struct Along {
 #[derive(Clone, Debug)]
 pub struct Equilibria {
     pub along: Along,
+    /// Where in the range the branch is started, to be followed both ways; default: the lower end.
+    pub start: Option<f64>,
     /// Leading eigenvalues followed as continuous branches; 0: none.
     pub spectrum: usize,
     /// Kinds of special points looked for: "HB", "LP".

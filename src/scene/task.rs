@@ -3,14 +3,14 @@
 use super::entry::{Entry, Section};
 use super::label::{self, Announced};
 use super::tree::Content;
-use super::{Cycles, Equilibria, SceneError, Task, TaskKind, along, calibration, several};
+use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, several};
 
 /// Kinds of tasks, as a scene names them.
 pub const TASK_KINDS: [&str; 5] = ["equilibria", "cycles", "hopf-curve", "fold-curve", "calibration"];
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
-const EQUILIBRIA: [&str; 3] = ["log", "spectrum", "detect"];
+const EQUILIBRIA: [&str; 4] = ["log", "start", "spectrum", "detect"];
 const CYCLES: [&str; 6] = ["from", "intervals", "degree", "points", "multipliers", "symmetry"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
 const CALIBRATION: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "targets", "starts", "errors"];
@@ -59,8 +59,13 @@ pub(super) fn read(
 }
 
 fn equilibria(section: &Section<'_>) -> Result<Equilibria, SceneError> {
+    let along = along::read(section)?;
     Ok(Equilibria {
-        along: along::read(section)?,
+        start: match section.get("start") {
+            Some(entry) => Some(inside(&entry, &along)?),
+            None => None,
+        },
+        along,
         spectrum: match section.get("spectrum") {
             Some(entry) => entry.count(0..=MAX_COLUMNS)?,
             None => 0,
@@ -70,6 +75,12 @@ fn equilibria(section: &Section<'_>) -> Result<Equilibria, SceneError> {
             None => Vec::new(),
         },
     })
+}
+
+/// A number in the range of the free parameter.
+fn inside(entry: &Entry<'_>, along: &Along) -> Result<f64, SceneError> {
+    let (value, (from, to)) = (entry.number()?, (along.range.from, along.range.to));
+    if (from..=to).contains(&value) { Ok(value) } else { Err(entry.error(Fault::OutsideRange { value, from, to })) }
 }
 
 fn detect(entry: &Entry<'_>) -> Result<Vec<String>, SceneError> {

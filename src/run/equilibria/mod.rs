@@ -1,12 +1,14 @@
 //! A task of kind `equilibria`: the branch, user values, folds, eigenvalue branches, Hopf points, their errors.
 
+mod walk;
+
 use super::outcome::{Outcome, Status, labels};
 use super::study::Prepared;
-use super::watch::{Watch, interrupted};
+use super::watch::Watch;
 use super::wave;
-use crate::bifurcation::{Coordinate, Equilibria, Hopf, HopfNormalForm, Mark, Sample, Spectra, leading};
+use crate::bifurcation::{Equilibria, Hopf, HopfNormalForm, Mark, Sample, Spectra, leading};
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
-use crate::continuation::{Border, Counts, Failure, Point, StepControl, Stop, Walk, at_lambda, correct, crossing};
+use crate::continuation::{Border, Counts, Failure, Point, Stop, at_lambda, correct, crossing};
 use crate::linalg::c64;
 use crate::problem::{At, Problem};
 use crate::scene;
@@ -14,6 +16,7 @@ use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::time::Instant;
+use walk::{Walked, system, walk};
 
 /// Runs the task; numerical trouble ends up in the outcome's status and reason.
 pub fn run(prepared: &Prepared, name: &str, task: &scene::Equilibria, watch: &Watch) -> Outcome {
@@ -46,14 +49,16 @@ fn follow(
 ) -> Result<Outcome, Failure> {
     let along = &task.along;
     let mut system = system(prepared, along);
-    let (points, stop) = walk(prepared, &mut system, along, watch, counts)?;
+    let Walked { points, back, stop } = walk(prepared, &mut system, task, watch, counts)?;
     let mut samples: Vec<Sample> = points.into_iter().map(|point| Sample::new(point, None)).collect();
+    let mark = |stop: &Stop| Some(if matches!(stop, Stop::Stagnation { .. }) { Mark::Stuck } else { Mark::End });
     if let Some(last) = samples.last_mut() {
-        last.mark = Some(if matches!(stop, Stop::Stagnation { .. }) { Mark::Stuck } else { Mark::End });
+        last.mark = mark(&stop);
     }
     if let Some(first) = samples.first_mut() {
-        first.mark = Some(Mark::End);
+        first.mark = back.as_ref().map_or(Some(Mark::End), mark);
     }
+    let stop = back.filter(|back| *back != Stop::RangeEnd).unwrap_or(stop);
     user_values(&system, &along.values, &mut samples, counts)?;
     if task.detect.iter().any(|kind| kind == "LP") {
         folds(&system, &mut samples, counts)?;
@@ -100,57 +105,6 @@ fn follow(
         Stop::RangeEnd | Stop::Closed | Stop::MaxPoints => Status::Done,
     };
     Ok(Outcome { branch, status, reason: stop.to_string(), seconds: 0.0, counts: *counts })
-}
-
-fn system(prepared: &Prepared, along: &scene::Along) -> Equilibria {
-    let logarithmic = along.logarithmic.contains(&along.free);
-    let mut coordinate = Coordinate { index: prepared.free, logarithmic, width: 1.0 };
-    coordinate.width = coordinate.of(along.range.to) - coordinate.of(along.range.from);
-    Equilibria { problem: prepared.problem.clone(), p: prepared.p.clone(), coordinate, scale_state: 1.0 }
-}
-
-/// The branch from one end of the range, with its step control alone.
-fn walk(
-    prepared: &Prepared,
-    system: &mut Equilibria,
-    along: &scene::Along,
-    watch: &Watch,
-    counts: &mut Counts,
-) -> Result<(Vec<Point>, Stop), Failure> {
-    let coordinate = system.coordinate;
-    let (from, to) = (coordinate.of(along.range.from), coordinate.of(along.range.to));
-    let u = prepared.problem.start(&system.parameters(from));
-    let rms = (u.iter().map(|u| u * u).sum::<f64>() / u.len() as f64).sqrt();
-    if rms > 0.0 {
-        system.scale_state = rms;
-    }
-    let border = Border { row: vec![0.0; u.len()], lambda: 1.0 };
-    let first = correct(&*system, (u, from), &border, counts)?.point;
-    let most = along.max_step.map_or(0.02, |step| step / (to - from).abs());
-    let control = StepControl { step: 0.25 * most, least: 1e-9 * most, most };
-    let mut points = vec![first.clone()];
-    let mut walk = Walk::new(system, first, control, (from.min(to), from.max(to)));
-    let stop = loop {
-        if interrupted() {
-            break Stop::Interrupted;
-        }
-        if points.len() >= along.max_points {
-            break Stop::MaxPoints;
-        }
-        match walk.step() {
-            Ok(step) => {
-                let lambda = step.to.lambda;
-                watch.at((lambda - from) / (to - from), format!("{} = {:.6}", along.free, coordinate.value(lambda)));
-                points.push(step.to);
-                if let Some(stop) = step.stop {
-                    break stop;
-                }
-            }
-            Err(stop) => break stop,
-        }
-    };
-    *counts += walk.counts;
-    Ok((points, stop))
 }
 
 /// Points where the free parameter or an observable takes a wanted value.
