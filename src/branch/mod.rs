@@ -21,6 +21,7 @@ pub enum BranchKind {
     Equilibria,
     Cycles,
     HopfCurve,
+    Map,
 }
 
 /// A named column of a branch, with its unit ("" for a pure number).

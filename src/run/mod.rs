@@ -6,6 +6,7 @@ mod equilibria;
 mod figures;
 mod files;
 mod hopf_curve;
+mod map;
 mod outcome;
 mod plan;
 mod resume;
@@ -161,6 +162,7 @@ fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper
             Ok(from) => cycles::run(prepared, &task.name, cycles, from, keeper, watch),
             Err(reason) => Outcome::failed(cycles::empty(prepared, &task.name, cycles), reason),
         },
+        TaskKind::Map(map) => map::run(prepared, &task.name, map, watch),
         TaskKind::HopfCurve(curve) => match source(&curve.from) {
             Ok(from) => hopf_curve::run(prepared, &task.name, curve, from, watch),
             Err(reason) => Outcome::failed(hopf_curve::empty(prepared, &task.name, curve), reason),

@@ -47,6 +47,10 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 out += &yes_no(detect, "Hopf points with their normal form".into(), "detect has no HB");
                 out += &yes_no(e.detect.iter().any(|k| k == "LP"), "folds".into(), "detect has no LP");
             }
+            TaskKind::Map(map) => {
+                let [m, n] = map.grid;
+                let _ = writeln!(out, "  computed: the rightmost eigenvalue at {m} x {n} points");
+            }
             TaskKind::HopfCurve(curve) => {
                 let _ = writeln!(
                     out,

@@ -278,6 +278,7 @@ impl Study {
             TaskKind::Equilibria(_) => &["omega", "frequency", "lyapunov", "growth"],
             TaskKind::Cycles(_) => &["period", "frequency", "trivial_error"],
             TaskKind::HopfCurve(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im", "omega_2"],
+            TaskKind::Map(_) => &[],
         };
         let list = self.model.observables();
         let mut wanted = BTreeSet::new();
@@ -309,6 +310,7 @@ impl Study {
                 let extremes = list.iter().flat_map(|o| [format!("max {}", o.name), format!("min {}", o.name)]);
                 ["period".to_owned(), "frequency".to_owned()].into_iter().chain(extremes).collect()
             }
+            TaskKind::Map(_) => Vec::new(),
             TaskKind::HopfCurve(_) => along.others.iter().map(|axis| axis.name.clone()).collect(),
         };
         for name in along.values.keys().filter(|name| **name != along.free) {

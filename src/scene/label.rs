@@ -61,6 +61,7 @@ pub(super) fn check(text: &str, read: &[Task], announced: &[Announced]) -> Resul
 fn obstacle(task: &Task, kind: &str) -> Option<String> {
     let along = task.kind.along();
     match (kind, &task.kind) {
+        (_, TaskKind::Map(_)) => Some(" (it is a map, without points)".to_owned()),
         ("EP", _) => None,
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
         ("UZ", _) => None,

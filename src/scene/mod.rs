@@ -7,6 +7,7 @@ mod expect;
 pub mod expression;
 mod figure;
 mod label;
+mod map;
 mod model;
 mod overrides;
 mod parameters;
@@ -123,6 +124,7 @@ pub enum TaskKind {
     Equilibria(Equilibria),
     Cycles(Cycles),
     HopfCurve(Curve),
+    Map(Map),
 }
 
 /// A closed range, `from < to`: reversed and empty ranges are refused, as are NaN and infinite ends.
@@ -134,12 +136,13 @@ pub struct Range {
 }
 
 impl TaskKind {
-    /// As the scene names it: "equilibria", "cycles", "hopf-curve".
+    /// As the scene names it: "equilibria", "cycles", "hopf-curve", "map".
     pub fn name(&self) -> &'static str {
         match self {
             TaskKind::Equilibria(_) => "equilibria",
             TaskKind::Cycles(_) => "cycles",
             TaskKind::HopfCurve(_) => "hopf-curve",
+            TaskKind::Map(_) => "map",
         }
     }
 
@@ -148,13 +151,14 @@ impl TaskKind {
             TaskKind::Equilibria(task) => &task.along,
             TaskKind::Cycles(task) => &task.along,
             TaskKind::HopfCurve(task) => &task.along,
+            TaskKind::Map(task) => &task.along,
         }
     }
 
     /// The point that the task starts from, "straight/HB1", and where the scene says so.
     pub fn from(&self) -> Option<(&str, &Place)> {
         match self {
-            TaskKind::Equilibria(_) => None,
+            TaskKind::Equilibria(_) | TaskKind::Map(_) => None,
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfCurve(task) => Some((&task.from, &task.from_at)),
         }
@@ -232,11 +236,20 @@ pub struct Curve {
     pub from_at: Place,
 }
 
+/// `kind = "map"`.
+#[derive(Clone, Debug)]
+pub struct Map {
+    /// Two parameters, both with a range.
+    pub along: Along,
+    /// Points in the direction of each, ends included. Default 50 and 50.
+    pub grid: [usize; 2],
+}
+
 /// `[[figure]]`.
 #[derive(Clone, Debug)]
 pub struct Figure {
     pub name: String,
-    /// "diagram" (default), "eigenvalues", "waveform".
+    /// "diagram" (default), "eigenvalues", "waveform", "map".
     pub kind: String,
     pub title: Option<String>,
     pub x: Option<String>,
@@ -245,6 +258,8 @@ pub struct Figure {
     pub tasks: Vec<String>,
     /// For waveforms: "beat/UZ1".
     pub point: Option<String>,
+    /// For maps: "frequency" (default), "growth".
+    pub column: Option<String>,
     pub at: Place,
 }
 

@@ -3,16 +3,17 @@
 use super::entry::{Entry, Section};
 use super::label::{self, Announced};
 use super::tree::Content;
-use super::{Cycles, Equilibria, SceneError, Task, TaskKind, along, several};
+use super::{Cycles, Equilibria, SceneError, Task, TaskKind, along, map, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 3] = ["equilibria", "cycles", "hopf-curve"];
+pub const TASK_KINDS: [&str; 4] = ["equilibria", "cycles", "hopf-curve", "map"];
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
 const EQUILIBRIA: [&str; 2] = ["spectrum", "detect"];
 const CYCLES: [&str; 6] = ["from", "intervals", "degree", "points", "multipliers", "symmetry"];
 const HOPF_CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
+const MAP: [&str; 7] = ["name", "kind", "free", "range", "log", "grid", "errors"];
 
 const MAX_COLUMNS: usize = 1000;
 
@@ -24,7 +25,7 @@ pub(super) fn read(
     announced: &[Announced],
 ) -> Result<Task, SceneError> {
     // A misspelt "kind" is to be named as such, so first the keys that no kind knows.
-    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["log"]].concat())?;
+    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["log", "grid"]].concat())?;
     let kinds = TASK_KINDS.map(|kind| format!("{kind:?}")).join(" or ");
     let kind = section.need("kind", &format!("kind = {kinds}"))?;
     let kind = match kind.choice("task kind", &TASK_KINDS)? {
@@ -40,6 +41,10 @@ pub(super) fn read(
                 announced,
                 "from = \"TASK/HB1\", a Hopf point of the curve",
             )?)
+        }
+        "map" => {
+            section.allow("key of a map task", &MAP)?;
+            TaskKind::Map(map::task(section)?)
         }
         _ => {
             section.allow("key of an equilibria task", &[&COMMON[..], &EQUILIBRIA].concat())?;
