@@ -73,7 +73,7 @@ pub fn draw(spec: &Spec, x: &str, y: &str, column: &str, branches: &[&Branch]) -
     let edge = (column == "growth").then_some(0.0);
     let scale = Scale::new(grid.unstable().map(|node| node.value).chain(edge), HEIGHT);
     let empty = grid.unstable().next().is_none();
-    let grid = grid.moved(at);
+    let grid = grid.changed(at, |value| scale.place(value));
     let curves: Vec<Vec<Point>> = (branches.iter())
         .filter(|branch| branch.kind == BranchKind::HopfCurve)
         .filter_map(|branch| {
@@ -105,7 +105,7 @@ pub fn draw(spec: &Spec, x: &str, y: &str, column: &str, branches: &[&Branch]) -
 fn draw_bands(canvas: &mut Canvas, pieces: &[Piece], scale: &Scale) -> Result<(), PlotError> {
     let bands = scale.levels.len().saturating_sub(1);
     for (k, &level) in scale.levels.iter().enumerate().take(bands) {
-        let mut region = Region::default();
+        let (mut region, level) = (Region::default(), scale.place(level));
         for piece in pieces {
             // What lies below all levels is still of the lowest band.
             if k == 0 || piece.iter().all(|vertex| vertex.value >= level) {

@@ -69,9 +69,11 @@ impl Grid {
         self.nodes.iter().flatten().filter(|node| node.growth > 0.0)
     }
 
-    /// Puts all nodes elsewhere: on the page.
-    pub fn moved(mut self, place: impl Fn(Point) -> Point) -> Grid {
-        self.nodes.iter_mut().flatten().for_each(|node| node.at = place(node.at));
+    /// Puts other places and numbers in all nodes.
+    pub fn changed(mut self, place: impl Fn(Point) -> Point, number: impl Fn(f64) -> f64) -> Grid {
+        for node in self.nodes.iter_mut().flatten() {
+            (node.at, node.value) = (place(node.at), number(node.value));
+        }
         self
     }
 }

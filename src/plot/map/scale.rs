@@ -19,6 +19,8 @@ pub struct Scale {
     /// The ticks' labels are to be multiplied by this power of ten.
     pub power: i32,
     logarithmic: bool,
+    /// Whether numbers are interpolated by their logarithms: where none is zero.
+    relative: bool,
 }
 
 impl Scale {
@@ -48,7 +50,7 @@ impl Scale {
         let count = (last - first).clamp(1.0, 100.0) as i32;
         let levels: Vec<f64> = (0..=count).map(|k| (first + f64::from(k)) * step).collect();
         let axis = Axis::new(levels[0], levels[levels.len() - 1], pixels, Direction::Up);
-        Scale { levels, ticks: axis.ticks, power: axis.power, logarithmic: false }
+        Scale { levels, ticks: axis.ticks, power: axis.power, logarithmic: false, relative: false }
     }
 
     fn logarithmic(least: f64, low: f64, high: f64) -> Scale {
@@ -64,7 +66,15 @@ impl Scale {
         if ticks.first().is_some_and(|tick| least < tick.value) {
             ticks.remove(0);
         }
-        Scale { levels, ticks, power: 0, logarithmic: true }
+        Scale { levels, ticks, power: 0, logarithmic: true, relative: least > 0.0 }
+    }
+
+    /// What is interpolated of a number.
+    pub fn place(&self, value: f64) -> f64 {
+        match self.levels.first() {
+            Some(lowest) if self.relative => value.max(*lowest).log10(),
+            _ => value,
+        }
     }
 
     /// How high on the bar a level lies, from 0 to 1.
