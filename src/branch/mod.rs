@@ -23,6 +23,7 @@ pub enum BranchKind {
     HopfCurve,
     FoldCurve,
     Calibration,
+    Map,
 }
 
 /// A named column of a branch, with its unit ("" for a pure number).

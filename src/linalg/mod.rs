@@ -4,10 +4,12 @@
 mod eigen;
 mod lu;
 mod matrix;
+mod rightmost;
 
 pub use eigen::{Eigenpair, pencil};
 pub use lu::{Bordered, Lu, Singular};
 pub use matrix::{Matrix, Structure};
+pub use rightmost::{EigenFailure, Rightmost, rightmost};
 
 pub use faer::c64;
 

@@ -60,7 +60,7 @@ impl Axis {
 }
 
 /// The least distance of tick labels, in pixels.
-fn need(ticks: &[Tick], direction: Direction) -> f64 {
+pub fn need(ticks: &[Tick], direction: Direction) -> f64 {
     match direction {
         Direction::Across => (ticks.iter()).map(|t| text::width(&t.text, TICK_SIZE) + 12.0).fold(0.0, f64::max),
         Direction::Up => TICK_SIZE * 1.6,

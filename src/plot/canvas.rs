@@ -86,6 +86,18 @@ impl Canvas<'_> {
         self.backend.fill_polygon(path, &colour.filled()).map_err(svg_error)
     }
 
+    /// A region with holes, around which closed curves run (nonzero winding): one polygon through all of them, by ways
+    /// that it goes back again, which cover nothing.
+    pub fn fill_region(&mut self, outline: &[Vec<Point>], colour: RGBColor) -> Result<(), PlotError> {
+        let Some(&home) = outline.first().and_then(|curve| curve.first()) else { return Ok(()) };
+        let mut path: Vec<Point> = Vec::new();
+        for curve in outline {
+            path.extend(curve);
+            path.push(home);
+        }
+        self.fill(&path, colour)
+    }
+
     pub fn disc(&mut self, centre: Point, radius: f64, colour: RGBColor) -> Result<(), PlotError> {
         let radius = (radius * SCALE).round() as u32;
         let style: ShapeStyle = colour.filled();

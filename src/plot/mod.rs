@@ -5,10 +5,12 @@
 
 mod axis;
 mod canvas;
+mod decades;
 mod diagram;
 mod eigenvalues;
 mod geometry;
 mod legend;
+mod map;
 mod marker;
 mod panel;
 mod placement;
@@ -42,6 +44,9 @@ pub enum SpecKind {
         #[serde(default)]
         unit: String,
     },
+    /// A column over two parameters where the state is unstable; of the tasks the first is the map, others are Hopf
+    /// curves to be drawn on it.
+    Map { x: String, y: String, column: String, tasks: Vec<String> },
 }
 
 /// Why a figure cannot be drawn.
@@ -79,6 +84,7 @@ pub fn draw(spec: &Spec, branches: &[Branch]) -> Result<String, PlotError> {
     match &spec.kind {
         SpecKind::Diagram { x, y, tasks } => diagram::draw(spec, x, y, &chosen(spec, tasks, branches)?),
         SpecKind::Eigenvalues { x, tasks } => eigenvalues::draw(spec, x, &chosen(spec, tasks, branches)?),
+        SpecKind::Map { x, y, column, tasks } => map::draw(spec, x, y, column, &chosen(spec, tasks, branches)?),
         SpecKind::Waveform { point, unit } => waveform::draw(spec, point, unit, branches),
     }
 }

@@ -72,7 +72,8 @@ pub fn with_unit(name: &str, unit: &str, power: i32) -> String {
     }
 }
 
-fn superscript(power: i32) -> String {
+/// A power of ten as it is written raised.
+pub fn superscript(power: i32) -> String {
     let raised = |c: char| match c {
         '-' => '⁻',
         '0' => '⁰',

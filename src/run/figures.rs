@@ -2,9 +2,9 @@
 
 use super::summary::Summary;
 use super::{RunError, place};
-use crate::branch::{Branch, read_arrays, read_branch, write_atomically};
+use crate::branch::{Branch, BranchKind, read_arrays, read_branch, write_atomically};
 use crate::plot::{Spec, SpecKind, draw};
-use crate::scene::{Figure, Scene, SceneError, TaskKind};
+use crate::scene::{Figure, Scene, SceneError, Task, TaskKind};
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
@@ -21,6 +21,13 @@ pub fn check(scene: &Scene) -> Result<(), SceneError> {
                 let message = format!("figure {:?} shows its eigenvalues; add spectrum = 8 to this task", figure.name);
                 return Err(scene.refuse(&place(task, "spectrum"), message));
             }
+        }
+    }
+    for figure in scene.figures.iter().filter(|figure| figure.kind == "diagram") {
+        let map = |task: &&Task| figure.tasks.contains(&task.name) && matches!(task.kind, TaskKind::Map(_));
+        if let Some(task) = scene.tasks.iter().find(map) {
+            let message = format!("a diagram cannot show the map {:?}; write kind = \"map\" to draw one", task.name);
+            return Err(scene.refuse(&figure.at, message));
         }
     }
     Ok(())
@@ -44,6 +51,12 @@ fn spec(figure: &Figure, branches: &[Branch], picture_unit: &str) -> Option<Spec
         }
         _ if tasks.is_empty() => return None,
         "eigenvalues" => SpecKind::Eigenvalues { x: figure.x.clone().or_else(free)?, tasks },
+        "map" => {
+            let map = branches.iter().find(|b| b.kind == BranchKind::Map && tasks.contains(&b.name))?;
+            let [x, y] = &map.free[..] else { return None };
+            let column = figure.column.clone().unwrap_or_else(|| "frequency".to_owned());
+            SpecKind::Map { x: x.clone(), y: y.clone(), column, tasks }
+        }
         _ => SpecKind::Diagram { x: figure.x.clone().or_else(free)?, y: figure.y.clone(), tasks },
     };
     Some(Spec { name: figure.name.clone(), title: figure.title.clone().unwrap_or_default(), kind })

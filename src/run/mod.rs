@@ -8,6 +8,7 @@ mod figures;
 mod files;
 mod fold_curve;
 mod hopf_curve;
+mod map;
 mod outcome;
 mod plan;
 mod resume;
@@ -173,6 +174,7 @@ fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper
             Ok(from) => fold_curve::run(prepared, &task.name, curve, from, watch),
             Err(reason) => Outcome::failed(fold_curve::empty(prepared, &task.name, curve), reason),
         },
+        TaskKind::Map(map) => map::run(prepared, &task.name, map, watch),
         TaskKind::HopfCurve(curve) => match source(&curve.from) {
             Ok(from) => hopf_curve::run(prepared, &task.name, curve, from, watch),
             Err(reason) => Outcome::failed(hopf_curve::empty(prepared, &task.name, curve), reason),

@@ -51,6 +51,10 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 let _ = writeln!(out, "  computed: folds from {}, both ways along the curve", curve.from);
                 out += "  computed: points of codimension two (CP, BT, ZH)\n";
             }
+            TaskKind::Map(map) => {
+                let [m, n] = map.grid;
+                let _ = writeln!(out, "  computed: the rightmost eigenvalue at {m} x {n} points");
+            }
             TaskKind::HopfCurve(curve) => {
                 let _ = writeln!(
                     out,

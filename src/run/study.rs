@@ -281,6 +281,7 @@ impl Study {
             TaskKind::HopfCurve(_) => &hopf_curve::VALUES,
             TaskKind::FoldCurve(_) => &fold_curve::VALUES,
             TaskKind::Calibration(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im"],
+            TaskKind::Map(_) => &[],
         };
         let list = self.model.observables();
         let fitted = if let TaskKind::Calibration(task) = &task.kind { task.columns() } else { Vec::new() };
@@ -317,7 +318,7 @@ impl Study {
             TaskKind::HopfCurve(_) | TaskKind::FoldCurve(_) => {
                 along.others.iter().map(|axis| axis.name.clone()).collect()
             }
-            TaskKind::Calibration(_) => Vec::new(),
+            TaskKind::Calibration(_) | TaskKind::Map(_) => Vec::new(),
         };
         for name in along.values.keys().filter(|name| **name != along.free) {
             if !columns.contains(name) {

@@ -2,13 +2,14 @@
 
 use super::entry::{Entry, Section};
 use super::label::{self, Announced};
-use super::{Fault, Figure, SceneError, Task};
+use super::{Fault, Figure, SceneError, Task, map};
 
 /// Kinds of figures, as a scene names them.
-pub const FIGURE_KINDS: [&str; 3] = ["diagram", "eigenvalues", "waveform"];
+pub const FIGURE_KINDS: [&str; 4] = ["diagram", "eigenvalues", "waveform", "map"];
 
 const DIAGRAM: [&str; 6] = ["name", "kind", "title", "x", "y", "tasks"];
 const EIGENVALUES: [&str; 5] = ["name", "kind", "title", "x", "tasks"];
+const MAP: [&str; 5] = ["name", "kind", "title", "tasks", "column"];
 const WAVEFORM: [&str; 4] = ["name", "kind", "title", "point"];
 
 /// Reads one figure; every task is known by then.
@@ -18,7 +19,7 @@ pub(super) fn read(
     tasks: &[Task],
     announced: &[Announced],
 ) -> Result<Figure, SceneError> {
-    section.allow("key", &["name", "kind", "title", "x", "y", "tasks", "point"])?;
+    section.allow("key", &["name", "kind", "title", "x", "y", "tasks", "point", "column"])?;
     let kind = match section.get("kind") {
         Some(entry) => entry.choice("figure kind", &FIGURE_KINDS)?,
         None => "diagram",
@@ -37,6 +38,7 @@ pub(super) fn read(
         y: Vec::new(),
         tasks: Vec::new(),
         point: None,
+        column: None,
         at: section.at.clone(),
     };
     match kind {
@@ -51,6 +53,14 @@ pub(super) fn read(
             figure.tasks = drawn(section, tasks)?;
             if figure.x.is_none() {
                 figure.x = Some(common_parameter(section, &figure.tasks, tasks)?);
+            }
+        }
+        "map" => {
+            section.allow("key of a map figure", &MAP)?;
+            figure.tasks = drawn(section, tasks)?;
+            map::figure(section, &figure.tasks, tasks)?;
+            if let Some(entry) = section.get("column") {
+                figure.column = Some(entry.choice("column of a map", &map::COLUMNS)?.to_owned());
             }
         }
         _ => {

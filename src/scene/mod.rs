@@ -8,6 +8,7 @@ mod expect;
 pub mod expression;
 mod figure;
 mod label;
+mod map;
 mod model;
 mod overrides;
 mod parameters;
@@ -127,6 +128,7 @@ pub enum TaskKind {
     HopfCurve(Curve),
     FoldCurve(Curve),
     Calibration(Calibration),
+    Map(Map),
 }
 
 /// A closed range, `from < to`: reversed and empty ranges are refused, as are NaN and infinite ends.
@@ -146,6 +148,7 @@ impl TaskKind {
             TaskKind::HopfCurve(_) => "hopf-curve",
             TaskKind::FoldCurve(_) => "fold-curve",
             TaskKind::Calibration(_) => "calibration",
+            TaskKind::Map(_) => "map",
         }
     }
 
@@ -155,13 +158,14 @@ impl TaskKind {
             TaskKind::Cycles(task) => &task.along,
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => &task.along,
             TaskKind::Calibration(task) => &task.along,
+            TaskKind::Map(task) => &task.along,
         }
     }
 
     /// The point that the task starts from, "straight/HB1", and where the scene says so.
     pub fn from(&self) -> Option<(&str, &Place)> {
         match self {
-            TaskKind::Equilibria(_) => None,
+            TaskKind::Equilibria(_) | TaskKind::Map(_) => None,
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => Some((&task.from, &task.from_at)),
             TaskKind::Calibration(task) => Some((&task.from, &task.from_at)),
@@ -284,11 +288,20 @@ impl Calibration {
     }
 }
 
+/// `kind = "map"`.
+#[derive(Clone, Debug)]
+pub struct Map {
+    /// Two parameters, both with a range.
+    pub along: Along,
+    /// Points in the direction of each, ends included. Default 50 and 50.
+    pub grid: [usize; 2],
+}
+
 /// `[[figure]]`.
 #[derive(Clone, Debug)]
 pub struct Figure {
     pub name: String,
-    /// "diagram" (default), "eigenvalues", "waveform".
+    /// "diagram" (default), "eigenvalues", "waveform", "map".
     pub kind: String,
     pub title: Option<String>,
     pub x: Option<String>,
@@ -297,6 +310,8 @@ pub struct Figure {
     pub tasks: Vec<String>,
     /// For waveforms: "beat/UZ1".
     pub point: Option<String>,
+    /// For maps: "frequency" (default), "growth".
+    pub column: Option<String>,
     pub at: Place,
 }
 

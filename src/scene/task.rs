@@ -3,10 +3,10 @@
 use super::entry::{Entry, Section};
 use super::label::{self, Announced};
 use super::tree::Content;
-use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, several};
+use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, map, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 5] = ["equilibria", "cycles", "hopf-curve", "fold-curve", "calibration"];
+pub const TASK_KINDS: [&str; 6] = ["equilibria", "cycles", "hopf-curve", "fold-curve", "calibration", "map"];
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
@@ -14,6 +14,7 @@ const EQUILIBRIA: [&str; 4] = ["log", "start", "spectrum", "detect"];
 const CYCLES: [&str; 6] = ["from", "intervals", "degree", "points", "multipliers", "symmetry"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
 const CALIBRATION: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "targets", "starts", "errors"];
+const MAP: [&str; 7] = ["name", "kind", "free", "range", "log", "grid", "errors"];
 
 const MAX_COLUMNS: usize = 1000;
 
@@ -25,7 +26,7 @@ pub(super) fn read(
     announced: &[Announced],
 ) -> Result<Task, SceneError> {
     // A misspelt "kind" is to be named as such, so first the keys that no kind knows.
-    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts"]].concat())?;
+    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts", "grid"]].concat())?;
     let kinds = TASK_KINDS.map(|kind| format!("{kind:?}")).join(" or ");
     let kind = section.need("kind", &format!("kind = {kinds}"))?;
     let kind = match kind.choice("task kind", &TASK_KINDS)? {
@@ -49,6 +50,10 @@ pub(super) fn read(
         "calibration" => {
             section.allow("key of a calibration task", &CALIBRATION)?;
             TaskKind::Calibration(calibration::read(section, read, announced)?)
+        }
+        "map" => {
+            section.allow("key of a map task", &MAP)?;
+            TaskKind::Map(map::task(section)?)
         }
         _ => {
             section.allow("key of an equilibria task", &[&COMMON[..], &EQUILIBRIA].concat())?;

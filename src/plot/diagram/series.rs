@@ -39,6 +39,8 @@ pub fn series<'a>(x: &str, y: &[String], branches: &[&'a Branch]) -> Vec<Series<
     for (task, branch) in branches.iter().enumerate() {
         let colour = match branch.kind {
             BranchKind::Equilibria => style::EQUILIBRIA,
+            // A grid is no curve.
+            BranchKind::Map => continue,
             _ => style::cycles(cycles),
         };
         let before = found.len();

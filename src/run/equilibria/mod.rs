@@ -205,7 +205,7 @@ fn rows(prepared: &Prepared, system: &Equilibria, task: &scene::Equilibria, samp
 }
 
 /// Units of growth rates and angular frequencies.
-fn rates(time: &str) -> (String, String) {
+pub fn rates(time: &str) -> (String, String) {
     if time.is_empty() { (String::new(), "rad".to_owned()) } else { (format!("1/{time}"), format!("rad/{time}")) }
 }
 

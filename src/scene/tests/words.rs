@@ -28,12 +28,12 @@ fn unknown_words_are_refused_with_what_was_meant() {
         (
             "kind = \"waveform\"",
             "kind = \"wavefront\"",
-            "52: figure.beat.kind: unknown figure kind \"wavefront\" (did you mean \"waveform\"?); allowed: diagram, eigenvalues, waveform",
+            "52: figure.beat.kind: unknown figure kind \"wavefront\" (did you mean \"waveform\"?); allowed: diagram, eigenvalues, waveform...",
         ),
         (
             "x = \"p\"",
             "xx = \"p\"",
-            "41: figure.diagram.xx: unknown key \"xx\"; allowed: name, kind, title, x, y, tasks, point",
+            "41: figure.diagram.xx: unknown key \"xx\"; allowed: name, kind, title, x, y, tasks, point...",
         ),
         (
             "point = \"beat/UZ2\"",
