@@ -278,7 +278,7 @@ impl Study {
             TaskKind::Equilibria(_) => &["omega", "frequency", "lyapunov", "growth"],
             TaskKind::Cycles(_) => &["period", "frequency", "trivial_error"],
             TaskKind::HopfCurve(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im", "omega_2"],
-            TaskKind::Map(_) => &[],
+            TaskKind::Map(_) => &["growth", "omega", "frequency", "gap"],
         };
         let list = self.model.observables();
         let mut wanted = BTreeSet::new();
