@@ -140,6 +140,7 @@ impl<'a> Line<'a> {
             let size = norm(&right);
             largest = largest.max(norm(&u));
             if size <= TOLERANCE * largest || (size <= ROUNDING * largest && size > 0.5 * last) {
+                let (gu, gv) = self.problem.linearised(At { u: &u, v: &rest, p });
                 return Ok(Settled { u, gu, gv });
             }
             if step > 2 && size > 2.0 * last {

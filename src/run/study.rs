@@ -281,7 +281,7 @@ impl Study {
             TaskKind::HopfCurve(_) => &hopf_curve::VALUES,
             TaskKind::FoldCurve(_) => &fold_curve::VALUES,
             TaskKind::Calibration(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im"],
-            TaskKind::Map(_) => &[],
+            TaskKind::Map(_) => &["growth", "omega", "frequency", "gap"],
         };
         let list = self.model.observables();
         let fitted = if let TaskKind::Calibration(task) = &task.kind { task.columns() } else { Vec::new() };
