@@ -271,7 +271,11 @@ fn the_decay_length_agrees_with_a_search_by_fresh_runs() {
     for _ in 0..12 {
         secant = low + (450.0 - below) * (high - low) / (above - below);
         let here = threshold(secant);
-        if here < 450.0 { (low, below) = (secant, here) } else { (high, above) = (secant, here) }
+        if here < 450.0 {
+            (low, below) = (secant, here)
+        } else {
+            (high, above) = (secant, here)
+        }
         if (here - 450.0).abs() < 1e-9 {
             break;
         }
@@ -286,7 +290,12 @@ fn the_decay_length_agrees_with_a_search_by_fresh_runs() {
     let slope = 0.02 / (threshold(found + 0.01) - threshold(found - 0.01));
     close("sigma s0", number(&summary, "decay/UZ1", "sigma s0"), 10.0 * slope, 1e-5);
     // Errors against a finer discretisation.
-    let fine = run_scene(&path, &["model.functions=44", "task.decay.starts=1", "task.coupling.starts=1", "task.onset.max_points=3"], out.path()).unwrap();
+    let fine = run_scene(
+        &path,
+        &["model.functions=44", "task.decay.starts=1", "task.coupling.starts=1", "task.onset.max_points=3"],
+        out.path(),
+    )
+    .unwrap();
     for (label, name) in [("decay/UZ1", "s0"), ("decay/UZ1", "omega"), ("coupling/UZ1", "k_N")] {
         let (coarse, fine) = (number(&summary, label, name), number(&fine, label, name));
         let point = summary.points.iter().find(|point| point.label == label).unwrap();
@@ -294,7 +303,8 @@ fn the_decay_length_agrees_with_a_search_by_fresh_runs() {
         assert!(point.errors[name] < 1e-10 * fine);
     }
     let names = ["s0".to_owned(), "p".to_owned()];
-    let table = read_branch(&out.path().join("calibrate-s0/branches/decay.csv"), "decay", BranchKind::Calibration, &names);
+    let table =
+        read_branch(&out.path().join("calibrate-s0/branches/decay.csv"), "decay", BranchKind::Calibration, &names);
     let table = table.unwrap();
     assert_eq!(table.rows.len(), 1);
     assert_eq!(table.columns[0].unit, "µm");
@@ -341,7 +351,8 @@ fn unreachable_targets_are_said_to_be_so() {
 fn results_do_not_depend_on_threads() {
     let results = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let text = STRAIGHT.to_owned() + "free = [\"k_N\"]\nrange = { k_N = [1e3, 1e5] }\ntargets = { p = 300 }\nstarts = 5";
+        let text =
+            STRAIGHT.to_owned() + "free = [\"k_N\"]\nrange = { k_N = [1e3, 1e5] }\ntargets = { p = 300 }\nstarts = 5";
         pool.install(|| study(&text, &[])).points
     };
     assert_eq!(results(1), results(3));
