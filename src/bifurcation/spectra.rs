@@ -51,6 +51,8 @@ const CORNER: f64 = 0.006;
 const MOST_REFINEMENTS: usize = 2;
 /// Pairs that stay closer than this part of the spectrum's visible height over a whole step are not looked at.
 const VISIBLE: f64 = 0.01;
+/// A discriminant that does not come this close to zero, in parts of its values at the ends, does not vanish.
+const JUMP: f64 = 1e-6;
 /// Where the curves of real and imaginary parts bend like a square root, points stand at these fractions of the gap.
 const GRADES: [f64; 3] = [1.0 / 100.0, 1.0 / 20.0, 1.0 / 5.0];
 
@@ -117,7 +119,7 @@ impl<'a> Spectra<'a> {
             let guess = extrapolate(samples, i);
             let last = &samples[i - 1].followed;
             let values = &samples[i].values;
-            let height = |count: usize| values[0].re - values.get(count).map_or(values[0].re, |z| z.re);
+            let height = |count: usize| values[0].re - values.get(count).or(values.last()).map_or(values[0].re, |z| z.re);
             let found = match follow(last, &guess, values, self.wanted, BLUR * height(self.wanted)) {
                 Err(_) if halvings >= MOST_HALVINGS => {
                     Ok(Followed { values: settle(&guess, values), coalesced: Vec::new() })
@@ -136,10 +138,10 @@ impl<'a> Spectra<'a> {
                     let visible = found.coalesced.iter().find(|(j, _)| found.values[*j].re >= edge);
                     let mut added = 0;
                     if let Some(&(j, k)) = visible.filter(|_| !located) {
-                        let mean = 0.5 * (found.values[j].re + found.values[k].re);
+                        let ends = (Meeting::of(last[j], last[k]), Meeting::of(found.values[j], found.values[k]));
                         let width = (found.values[j] - found.values[k]).norm().max((last[j] - last[k]).norm());
                         if width > VISIBLE * height(self.wanted) {
-                            added = self.exceptional(samples, i, mean, counts)?;
+                            added = self.exceptional(samples, i, ends, counts)?;
                         }
                     }
                     if added == 0 {
@@ -152,7 +154,8 @@ impl<'a> Spectra<'a> {
         }
         // Points were put where a branch outside of the visible spectrum bends, too; those have no name.
         for sample in samples.iter_mut() {
-            let edge = sample.values.get(self.wanted - 1).map_or(f64::NEG_INFINITY, |z| z.re);
+            // Two eigenvalues that meet are known to half of their digits.
+            let edge = sample.values.get(self.wanted - 1).map_or(f64::NEG_INFINITY, |z| z.re - 1e-6 * z.norm());
             if matches!(sample.mark, Some(Mark::Exceptional(mean)) if mean < edge) {
                 sample.mark = None;
             }
@@ -219,11 +222,11 @@ impl<'a> Spectra<'a> {
         &self,
         samples: &mut Vec<Sample>,
         i: usize,
-        mean: f64,
+        ends: (Meeting, Meeting),
         counts: &mut Counts,
     ) -> Result<usize, Failure> {
         let (a, b) = (samples[i - 1].point.clone(), samples[i].point.clone());
-        let Some(theta) = self.coalescence((&samples[i - 1], &samples[i]), mean, counts)? else { return Ok(0) };
+        let Some((theta, mean)) = self.coalescence((&a, &b), ends, counts)? else { return Ok(0) };
         let left = GRADES.iter().rev().map(|g| (theta * (1.0 - g), false));
         let right = GRADES.iter().map(|g| (theta + (1.0 - theta) * g, false));
         let lambda = a.lambda + theta * (b.lambda - a.lambda);
@@ -250,33 +253,40 @@ impl<'a> Spectra<'a> {
         Ok(places.len())
     }
 
-    /// The fraction of the step from a to b at which the pair nearest to `mean` coalesces: the root of its
-    /// [`discriminant`], which is smooth there. None if it has the same sign at both ends.
-    fn coalescence(&self, (a, b): (&Sample, &Sample), mean: f64, counts: &mut Counts) -> Result<Option<f64>, Failure> {
-        let look = |values: &[c64], centre: f64| discriminant(&values[..values.len().min(self.looked_at())], centre);
-        let (start, end) = (look(&a.values, mean), look(&b.values, mean));
-        let (mut low, mut high) = ((0.0_f64, start.0), (1.0_f64, end.0));
-        if low.1 * high.1 > 0.0 {
+    /// The fraction of the step from a to b at which two eigenvalues coalesce, known at both ends, and their mean there:
+    /// the root of the discriminant, which is smooth (Illinois). None if it has the same sign at both ends.
+    fn coalescence(
+        &self,
+        (a, b): (&Point, &Point),
+        (start, end): (Meeting, Meeting),
+        counts: &mut Counts,
+    ) -> Result<Option<(f64, f64)>, Failure> {
+        if start.discriminant * end.discriminant > 0.0 {
             return Ok(None);
         }
-        let scale = low.1.abs().max(high.1.abs());
-        let mut centre = mean;
-        for _ in 0..30 {
-            let theta = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
-            let point = at_fraction(self.system, (&a.point, &b.point), theta, counts)?.point;
-            let (here, middle) = look(&self.at(&point, counts)?, centre);
-            centre = middle;
-            if here.abs() < 1e-10 * scale || (high.0 - low.0).abs() < 1e-12 {
-                return Ok(Some(theta));
+        let scale = start.discriminant.abs().max(end.discriminant.abs());
+        // Where, the pair there, and the discriminant as the method weighs it.
+        let (mut low, mut high) = ((0.0_f64, start, start.discriminant), (1.0_f64, end, end.discriminant));
+        for _ in 0..60 {
+            let theta = (low.0 * high.2 - high.0 * low.2) / (high.2 - low.2);
+            let point = at_fraction(self.system, (a, b), theta, counts)?.point;
+            let expected = low.1.towards(high.1, (theta - low.0) / (high.0 - low.0));
+            let here = Meeting::nearest(&self.at(&point, counts)?, expected);
+            if here.discriminant.abs() < 1e-10 * scale {
+                return Ok(Some((theta, here.mean)));
             }
-            if here * high.1 < 0.0 {
+            if (high.0 - low.0).abs() < 1e-12 {
+                break;
+            }
+            if here.discriminant * high.2 < 0.0 {
                 low = high;
             } else {
-                low.1 *= 0.5;
+                low.2 *= 0.5;
             }
-            high = (theta, here);
+            high = (theta, here, here.discriminant);
         }
-        Ok(Some(high.0))
+        // A jump instead of a root: the two ends belong to different pairs.
+        Ok((high.1.discriminant.abs() < JUMP * scale).then_some((high.0, high.1.mean)))
     }
 
     /// Where the exceptional point `sample` lies on another discretisation, `fine`, of the same system: secant steps
@@ -294,12 +304,11 @@ impl<'a> Spectra<'a> {
             let point = at_lambda(fine, (&ends.0, &ends.1), lambda, &mut counts).ok()?.point;
             let pairs = fine.spectrum(&point.x, point.lambda, self.shift, 0).ok()?;
             let values: Vec<c64> = pairs.iter().take(self.looked_at()).map(|pair| pair.value).collect();
-            Some(discriminant(&values, mean).0)
+            Some(Meeting::nearest(&values, Meeting { mean, discriminant: 0.0 }).discriminant)
         };
-        let mean = discriminant(&sample.values, mean).1;
+        let near = |s: &Sample| Meeting::nearest(&s.values, Meeting { mean, discriminant: 0.0 }).discriminant;
         let width = (b.point.lambda - a.point.lambda).abs();
-        let slope =
-            (discriminant(&b.values, mean).0 - discriminant(&a.values, mean).0) / (b.point.lambda - a.point.lambda);
+        let slope = (near(b) - near(a)) / (b.point.lambda - a.point.lambda);
         let mut last = (sample.point.lambda, look(sample.point.lambda)?);
         let mut step = -last.1 / slope;
         for _ in 0..8 {
@@ -372,21 +381,42 @@ impl<'a> Spectra<'a> {
     }
 }
 
-/// `((s1 - s2)/2)²` of the two eigenvalues with a real mean that are closest to each other for their distance from
-/// `centre`, and their mean.
-fn discriminant(values: &[c64], centre: f64) -> (f64, f64) {
-    let mut best = (f64::INFINITY, 0.0, centre);
-    for (j, x) in values.iter().enumerate() {
-        for y in &values[..j] {
-            let (sum, half) = (0.5 * (x + y), 0.5 * (x - y));
-            let alike = sum.im.abs() <= 1e-9 * sum.norm();
-            let far = half.norm() + (sum.re - centre).abs();
-            if alike && far < best.0 {
-                best = (far, half.re * half.re - half.im * half.im, sum.re);
+/// Two eigenvalues s1, s2, both real or conjugate, by what is smooth where they coalesce.
+#[derive(Clone, Copy, Debug)]
+struct Meeting {
+    /// (s1 + s2)/2.
+    mean: f64,
+    /// ((s1 - s2)/2)²: positive for real ones.
+    discriminant: f64,
+}
+
+impl Meeting {
+    fn of(x: c64, y: c64) -> Self {
+        let half = 0.5 * (x - y);
+        Self { mean: 0.5 * (x.re + y.re), discriminant: half.re * half.re - half.im * half.im }
+    }
+
+    /// The linear interpolant.
+    fn towards(self, other: Self, theta: f64) -> Self {
+        let mix = |a: f64, b: f64| a + theta * (b - a);
+        Self { mean: mix(self.mean, other.mean), discriminant: mix(self.discriminant, other.discriminant) }
+    }
+
+    /// The two of all eigenvalues that are most like what is expected.
+    fn nearest(values: &[c64], expected: Self) -> Self {
+        let mut best = (f64::INFINITY, expected);
+        for (j, &x) in values.iter().enumerate() {
+            for &y in &values[..j] {
+                let alike = (x.im + y.im).abs() <= 1e-9 * (x + y).norm();
+                let pair = Self::of(x, y);
+                let off = (pair.mean - expected.mean).powi(2) + (pair.discriminant - expected.discriminant).abs();
+                if alike && off < best.0 {
+                    best = (off, pair);
+                }
             }
         }
+        best.1
     }
-    (best.1, best.2)
 }
 
 /// Branches half-way between two samples.
