@@ -18,6 +18,7 @@ fn branch(name: &str, kind: BranchKind, columns: &[(&str, &str)]) -> Branch {
         columns: columns.iter().map(column).collect(),
         rows: vec![],
         points: vec![],
+        triangles: Vec::new(),
     }
 }
 

@@ -5,6 +5,7 @@ mod coordinate;
 mod equilibria;
 mod hopf;
 mod hopf_curve;
+mod hopf_surface;
 mod normal_form;
 mod spectra;
 
@@ -13,5 +14,6 @@ pub use coordinate::Coordinate;
 pub use equilibria::Equilibria;
 pub use hopf::{Hopf, HopfError};
 pub use hopf_curve::{HopfCurve, Segment, Test, reverse};
+pub use hopf_surface::HopfSurface;
 pub use normal_form::HopfNormalForm;
 pub use spectra::{Mark, Sample, Spectra, leading};

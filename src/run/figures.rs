@@ -2,7 +2,7 @@
 
 use super::summary::Summary;
 use super::{RunError, place};
-use crate::branch::{Branch, read_arrays, read_branch, write_atomically};
+use crate::branch::{Branch, BranchKind, read_arrays, read_branch, read_triangles, write_atomically};
 use crate::plot::{Spec, SpecKind, draw};
 use crate::scene::{Figure, Scene, SceneError, TaskKind};
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ pub fn check(scene: &Scene) -> Result<(), SceneError> {
         for task in scene.tasks.iter().filter(|task| figure.tasks.contains(&task.name)) {
             let spectrum = match &task.kind {
                 TaskKind::Equilibria(equilibria) => equilibria.spectrum,
-                TaskKind::Cycles(_) | TaskKind::HopfCurve(_) => 0,
+                TaskKind::Cycles(_) | TaskKind::HopfCurve(_) | TaskKind::HopfSurface(_) => 0,
             };
             if spectrum == 0 {
                 let message = format!("figure {:?} shows its eigenvalues; add spectrum = 8 to this task", figure.name);
@@ -43,6 +43,7 @@ fn spec(figure: &Figure, branches: &[Branch], picture_unit: &str) -> Option<Spec
             SpecKind::Waveform { point, unit: picture_unit.to_owned() }
         }
         _ if tasks.is_empty() => return None,
+        "surface" => SpecKind::Surface { tasks, view: figure.view },
         "eigenvalues" => SpecKind::Eigenvalues { x: figure.x.clone().or_else(free)?, tasks },
         _ => SpecKind::Diagram { x: figure.x.clone().or_else(free)?, y: figure.y.clone(), tasks },
     };
@@ -76,6 +77,9 @@ pub fn redraw(folder: &Path) -> Result<Vec<String>, RunError> {
                 errors: BTreeMap::new(),
                 arrays,
             });
+        }
+        if line.kind == BranchKind::HopfSurface {
+            branch.triangles = read_triangles(&folder.join(super::files::mesh(&line.name)), branch.rows.len())?;
         }
         branches.push(branch);
     }

@@ -6,6 +6,7 @@ mod equilibria;
 mod figures;
 mod files;
 mod hopf_curve;
+mod hopf_surface;
 mod outcome;
 mod plan;
 mod resume;
@@ -164,6 +165,10 @@ fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper
         TaskKind::HopfCurve(curve) => match source(&curve.from) {
             Ok(from) => hopf_curve::run(prepared, &task.name, curve, from, watch),
             Err(reason) => Outcome::failed(hopf_curve::empty(prepared, &task.name, curve), reason),
+        },
+        TaskKind::HopfSurface(surface) => match source(&surface.from) {
+            Ok(from) => hopf_surface::run(prepared, &task.name, surface, from, watch),
+            Err(reason) => Outcome::failed(hopf_surface::empty(prepared, &task.name, surface), reason),
         },
     }
 }

@@ -13,7 +13,7 @@ pub fn check(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
         Some(match task.kind {
             TaskKind::Equilibria(_) => label.kind == "HB",
             TaskKind::HopfCurve(_) => ["UZ", "EP", "GH"].contains(&label.kind),
-            TaskKind::Cycles(_) => false,
+            TaskKind::Cycles(_) | TaskKind::HopfSurface(_) => false,
         })
     });
     match allowed {

@@ -278,6 +278,7 @@ impl Study {
             TaskKind::Equilibria(_) => &["omega", "frequency", "lyapunov", "growth"],
             TaskKind::Cycles(_) => &["period", "frequency", "trivial_error"],
             TaskKind::HopfCurve(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im", "omega_2"],
+            TaskKind::HopfSurface(_) => &["omega", "frequency", "lyapunov"],
         };
         let list = self.model.observables();
         let mut wanted = BTreeSet::new();
@@ -310,6 +311,7 @@ impl Study {
                 ["period".to_owned(), "frequency".to_owned()].into_iter().chain(extremes).collect()
             }
             TaskKind::HopfCurve(_) => along.others.iter().map(|axis| axis.name.clone()).collect(),
+            TaskKind::HopfSurface(_) => Vec::new(),
         };
         for name in along.values.keys().filter(|name| **name != along.free) {
             if !columns.contains(name) {

@@ -5,11 +5,12 @@ use super::label::{self, Announced};
 use super::{Fault, Figure, SceneError, Task};
 
 /// Kinds of figures, as a scene names them.
-pub const FIGURE_KINDS: [&str; 3] = ["diagram", "eigenvalues", "waveform"];
+pub const FIGURE_KINDS: [&str; 4] = ["diagram", "eigenvalues", "waveform", "surface"];
 
 const DIAGRAM: [&str; 6] = ["name", "kind", "title", "x", "y", "tasks"];
 const EIGENVALUES: [&str; 5] = ["name", "kind", "title", "x", "tasks"];
 const WAVEFORM: [&str; 4] = ["name", "kind", "title", "point"];
+const SURFACE: [&str; 5] = ["name", "kind", "title", "tasks", "view"];
 
 /// Reads one figure; every task is known by then.
 pub(super) fn read(
@@ -18,7 +19,7 @@ pub(super) fn read(
     tasks: &[Task],
     announced: &[Announced],
 ) -> Result<Figure, SceneError> {
-    section.allow("key", &["name", "kind", "title", "x", "y", "tasks", "point"])?;
+    section.allow("key", &["name", "kind", "title", "x", "y", "tasks", "point", "view"])?;
     let kind = match section.get("kind") {
         Some(entry) => entry.choice("figure kind", &FIGURE_KINDS)?,
         None => "diagram",
@@ -37,6 +38,7 @@ pub(super) fn read(
         y: Vec::new(),
         tasks: Vec::new(),
         point: None,
+        view: None,
         at: section.at.clone(),
     };
     match kind {
@@ -45,6 +47,14 @@ pub(super) fn read(
             let point = section.need("point", "point = \"TASK/UZ1\", the cycle to draw")?;
             label::check(point.text()?, tasks, announced).map_err(|fault| point.error(fault))?;
             figure.point = Some(point.text()?.to_owned());
+        }
+        "surface" => {
+            section.allow("key of a surface figure", &SURFACE)?;
+            figure.tasks = drawn(section, tasks)?;
+            figure.view = match section.get("view") {
+                Some(entry) => Some(view(&entry)?),
+                None => None,
+            };
         }
         "eigenvalues" => {
             section.allow("key of an eigenvalues figure", &EIGENVALUES)?;
@@ -61,6 +71,21 @@ pub(super) fn read(
         }
     }
     Ok(figure)
+}
+
+/// `[azimuth, elevation]` in degrees.
+fn view(entry: &Entry<'_>) -> Result<[f64; 2], SceneError> {
+    let expected = "[azimuth, elevation], two angles in degrees";
+    let items = entry.list(expected)?;
+    let [azimuth, elevation] = items.as_slice() else {
+        return entry.type_error(expected);
+    };
+    let height = elevation.number()?;
+    if !(0.0..=90.0).contains(&height) {
+        let allowed = "elevations from 0 to 90 degrees".to_owned();
+        return Err(elevation.error(Fault::OutOfBounds { found: height.to_string(), allowed }));
+    }
+    Ok([azimuth.number()?, height])
 }
 
 fn column(entry: &Entry<'_>) -> Result<String, SceneError> {

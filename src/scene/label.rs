@@ -61,6 +61,9 @@ pub(super) fn check(text: &str, read: &[Task], announced: &[Announced]) -> Resul
 fn obstacle(task: &Task, kind: &str) -> Option<String> {
     let along = task.kind.along();
     match (kind, &task.kind) {
+        (_, TaskKind::HopfSurface(_)) => {
+            Some(" (a surface has no points with names; start from where it starts)".to_owned())
+        }
         ("EP", _) => None,
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
         ("UZ", _) => None,

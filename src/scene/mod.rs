@@ -123,6 +123,7 @@ pub enum TaskKind {
     Equilibria(Equilibria),
     Cycles(Cycles),
     HopfCurve(Curve),
+    HopfSurface(Surface),
 }
 
 /// A closed range, `from < to`: reversed and empty ranges are refused, as are NaN and infinite ends.
@@ -134,12 +135,13 @@ pub struct Range {
 }
 
 impl TaskKind {
-    /// As the scene names it: "equilibria", "cycles", "hopf-curve".
+    /// As the scene names it: "equilibria", "cycles", "hopf-curve", "hopf-surface".
     pub fn name(&self) -> &'static str {
         match self {
             TaskKind::Equilibria(_) => "equilibria",
             TaskKind::Cycles(_) => "cycles",
             TaskKind::HopfCurve(_) => "hopf-curve",
+            TaskKind::HopfSurface(_) => "hopf-surface",
         }
     }
 
@@ -148,6 +150,7 @@ impl TaskKind {
             TaskKind::Equilibria(task) => &task.along,
             TaskKind::Cycles(task) => &task.along,
             TaskKind::HopfCurve(task) => &task.along,
+            TaskKind::HopfSurface(task) => &task.along,
         }
     }
 
@@ -157,6 +160,7 @@ impl TaskKind {
             TaskKind::Equilibria(_) => None,
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfCurve(task) => Some((&task.from, &task.from_at)),
+            TaskKind::HopfSurface(task) => Some((&task.from, &task.from_at)),
         }
     }
 }
@@ -232,11 +236,23 @@ pub struct Curve {
     pub from_at: Place,
 }
 
+/// `kind = "hopf-surface"`.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// Three parameters, each with a range.
+    pub along: Along,
+    /// "straight/HB1".
+    pub from: String,
+    pub from_at: Place,
+    /// How far the surface may leave its tangent planes between points, in parts of the ranges.
+    pub tolerance: f64,
+}
+
 /// `[[figure]]`.
 #[derive(Clone, Debug)]
 pub struct Figure {
     pub name: String,
-    /// "diagram" (default), "eigenvalues", "waveform".
+    /// "diagram" (default), "eigenvalues", "waveform", "surface".
     pub kind: String,
     pub title: Option<String>,
     pub x: Option<String>,
@@ -245,6 +261,8 @@ pub struct Figure {
     pub tasks: Vec<String>,
     /// For waveforms: "beat/UZ1".
     pub point: Option<String>,
+    /// For surfaces: the azimuth and elevation of the eye in degrees; None: where most of the surface is seen.
+    pub view: Option<[f64; 2]>,
     pub at: Place,
 }
 

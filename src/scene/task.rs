@@ -6,13 +6,14 @@ use super::tree::Content;
 use super::{Cycles, Equilibria, SceneError, Task, TaskKind, along, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 3] = ["equilibria", "cycles", "hopf-curve"];
+pub const TASK_KINDS: [&str; 4] = ["equilibria", "cycles", "hopf-curve", "hopf-surface"];
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
 const EQUILIBRIA: [&str; 2] = ["spectrum", "detect"];
 const CYCLES: [&str; 6] = ["from", "intervals", "degree", "points", "multipliers", "symmetry"];
 const HOPF_CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
+const HOPF_SURFACE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "tolerance", "max_points", "errors"];
 
 const MAX_COLUMNS: usize = 1000;
 
@@ -24,7 +25,7 @@ pub(super) fn read(
     announced: &[Announced],
 ) -> Result<Task, SceneError> {
     // A misspelt "kind" is to be named as such, so first the keys that no kind knows.
-    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["log"]].concat())?;
+    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["log", "tolerance"]].concat())?;
     let kinds = TASK_KINDS.map(|kind| format!("{kind:?}")).join(" or ");
     let kind = section.need("kind", &format!("kind = {kinds}"))?;
     let kind = match kind.choice("task kind", &TASK_KINDS)? {
@@ -40,6 +41,10 @@ pub(super) fn read(
                 announced,
                 "from = \"TASK/HB1\", a Hopf point of the curve",
             )?)
+        }
+        "hopf-surface" => {
+            section.allow("key of a hopf-surface task", &HOPF_SURFACE)?;
+            TaskKind::HopfSurface(several::surface(section, read, announced)?)
         }
         _ => {
             section.allow("key of an equilibria task", &[&COMMON[..], &EQUILIBRIA].concat())?;

@@ -39,7 +39,7 @@ pub fn series<'a>(x: &str, y: &[String], branches: &[&'a Branch]) -> Vec<Series<
     for (task, branch) in branches.iter().enumerate() {
         let colour = match branch.kind {
             BranchKind::Equilibria => style::EQUILIBRIA,
-            BranchKind::Cycles | BranchKind::HopfCurve => style::cycles(cycles),
+            BranchKind::Cycles | BranchKind::HopfCurve | BranchKind::HopfSurface => style::cycles(cycles),
         };
         let before = found.len();
         let Some(x) = column(branch, x) else { continue };
@@ -163,6 +163,7 @@ mod tests {
                 })
                 .collect(),
             points: vec![],
+            triangles: vec![],
         }
     }
 
