@@ -218,7 +218,7 @@ impl Scale {
         if logarithmic {
             let powers = low.log10().floor() as i32..=high.log10().ceil() as i32;
             levels = powers
-                .flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * 10f64.powi(power)))
+                .flat_map(|power| [1.0, 1.5, 2.0, 3.0, 5.0, 7.0].map(|digit| digit * 10f64.powi(power)))
                 .filter(|level| (low..=high).contains(level))
                 .map(|level| (level, format!("{level}")))
                 .collect();

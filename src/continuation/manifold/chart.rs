@@ -75,6 +75,19 @@ impl<S: Surface> Chart<S> {
         (s, self.surface.inner(&off, &off).sqrt())
     }
 
+    /// The distance of two charts' points, if it is less than a reach.
+    pub(super) fn within(&self, other: &Self, reach: f64) -> Option<f64> {
+        let mut square = 0.0;
+        // The last unknowns, parameters mostly, tell points apart best.
+        for ((a, b), w) in self.x.iter().zip(&other.x).zip(self.surface.weights()).rev() {
+            square += w * (a - b) * (a - b);
+            if square >= reach * reach {
+                return None;
+            }
+        }
+        Some(square.sqrt())
+    }
+
     /// The determinant of the map between two tangent planes: the cosine of their angle, negative if one is turned over.
     pub fn turn(&self, other: &Self) -> f64 {
         let product = |a: usize, b: usize| self.surface.inner(&self.basis[a], &other.basis[b]);

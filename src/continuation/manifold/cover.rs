@@ -294,11 +294,7 @@ impl<S: Surface> Cover<S> {
         let mut near = Vec::new();
         let mut radius = self.control.largest;
         for (k, other) in self.charts.iter().enumerate() {
-            let d: Vec<f64> = other.x.iter().zip(&chart.x).map(|(a, b)| a - b).collect();
-            let distance = chart.surface.inner(&d, &d).sqrt();
-            if distance >= other.radius + self.control.largest {
-                continue;
-            }
+            let Some(distance) = chart.within(other, other.radius + self.control.largest) else { continue };
             let (_, off) = chart.coordinates(&other.x);
             if off > OFF * distance || chart.turn(other) < TURNED {
                 continue;

@@ -81,6 +81,8 @@ impl<S: Surface> Cover<S> {
             (at && end && common) || here.min(there) > SHORT * self.charts[i].radius.min(self.charts[j].radius)
         };
         let entry = |i: usize, side: Side| match side {
+            // A covering that was cut short has lost some.
+            Side::Neighbour(j) if j >= self.charts.len() => Some(None),
             Side::Neighbour(j) => trusted(i, j).then_some(Some(j)),
             Side::Open | Side::Bound(_) => Some(None),
         };
