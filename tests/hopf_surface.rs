@@ -92,7 +92,7 @@ fn a_saddle_is_covered_exactly_with_its_criticality() {
         close(hopf.p[0], hopf.p[1] * hopf.p[1] - hopf.p[2] * hopf.p[2], 1e-14);
         close(hopf.omega, 1.0 + 0.3 * p[1], 1e-13);
         let l1 = HopfNormalForm::new(&*problem, &hopf).unwrap().l1;
-        close(l1, (p[2] - 0.2) / hopf.omega, 1e-12);
+        close(l1, 2.0 * (p[2] - 0.2) / hopf.omega, 1e-12);
         corners += usize::from(chart.on.len() == 2);
     }
     assert_eq!(corners, 4);

@@ -26,6 +26,7 @@ pub struct HopfSurface {
     pub coordinates: [Coordinate; 3],
     borders: Borders,
     weights: Arc<Vec<f64>>,
+    scales: Vec<f64>,
 }
 
 impl HopfSurface {
@@ -34,14 +35,16 @@ impl HopfSurface {
         let n = problem.dim();
         let rms = (dot(&hopf.u, &hopf.u) / n as f64).sqrt();
         let scale = if rms > 0.0 { rms } else { 1.0 };
-        let mut weights = vec![(WEIGHT / scale).powi(2) / n as f64; n];
-        weights.push((WEIGHT / hopf.omega.powi(2)).powi(2));
-        weights.extend(coordinates.map(|c| c.width.powi(-2)));
+        let mut scales = vec![scale.powi(-2) / n as f64; n];
+        scales.push(hopf.omega.powi(-4));
+        scales.extend(coordinates.map(|c| c.width.powi(-2)));
+        let light = |(k, scale): (usize, &f64)| if k <= n { WEIGHT * WEIGHT * scale } else { *scale };
+        let weights = Arc::new(scales.iter().enumerate().map(light).collect());
         let mut x = hopf.u.clone();
         x.push(hopf.omega.powi(2));
         x.extend(coordinates.map(|c| c.of(hopf.p[c.index])));
         let (p, borders) = (hopf.p.clone(), Borders::start(hopf));
-        let surface = Self { problem, p, coordinates, borders, weights: Arc::new(weights) };
+        let surface = Self { problem, p, coordinates, borders, weights, scales };
         // Twice, since at first the borders of G_u are arbitrary.
         (surface.prepared(&x).prepared(&x), x)
     }
@@ -126,11 +129,16 @@ impl Surface for HopfSurface {
         &self.weights
     }
 
+    fn scales(&self) -> &[f64] {
+        &self.scales
+    }
+
     /// Borders and unit are taken from the point.
     fn prepared(&self, x: &[f64]) -> Self {
         let (gu, gv, _) = self.linearised(x);
         let mut surface = self.clone();
         surface.borders.follow(gu.dense(), gv.dense(), self.kappa(x));
+        surface.scales[self.problem.dim()] = surface.borders.unit.powi(-4);
         surface
     }
 }

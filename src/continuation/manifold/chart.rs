@@ -168,10 +168,10 @@ impl<S: Surface> System for Slice<'_, S> {
     }
 
     fn dual(&self, t: &[f64]) -> Vec<f64> {
-        t.iter().zip(self.surface.weights()).map(|(t, w)| t * w).collect()
+        t.iter().zip(self.surface.scales()).map(|(t, w)| t * w).collect()
     }
 
     fn dual_lambda(&self) -> f64 {
-        self.surface.weights().last().copied().unwrap_or(1.0)
+        self.surface.scales().last().copied().unwrap_or(1.0)
     }
 }

@@ -42,6 +42,11 @@ pub trait Surface: Clone + Send + Sync {
     /// The diagonal of the metric W, the same on the whole surface.
     fn weights(&self) -> &[f64];
 
+    /// The diagonal of the norm that Newton's steps are measured in: unlike the metric, it must count every unknown.
+    fn scales(&self) -> &[f64] {
+        self.weights()
+    }
+
     /// The same surface with its reference vectors, if it has any, moved to a point.
     fn prepared(&self, _x: &[f64]) -> Self {
         self.clone()
