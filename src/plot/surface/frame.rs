@@ -52,9 +52,9 @@ impl Frame {
                 Axis::new(low, high, pixels.max(60.0), direction)
             })
             .collect();
-        for k in 0..3 {
+        for (k, near) in near.iter().enumerate() {
             let (i, j) = ((k + 1) % 3, (k + 2) % 3);
-            let far = if k == 2 { -0.5 } else { -near[k] };
+            let far = if k == 2 { -0.5 } else { -near };
             frame.panes.push(
                 [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| at([(k, far), (i, x), (j, y)])),
             );
@@ -65,12 +65,12 @@ impl Frame {
                 }
             }
         }
-        for k in 0..2 {
+        for (k, axis) in axes.iter().enumerate().take(2) {
             let other = 1 - k;
             let foot = |x: f64, out: f64| at([(k, x), (other, near[other] * (1.0 + out)), (2, -0.5)]);
             frame.edges.push([foot(-0.5, 0.0), foot(0.5, 0.0)]);
             let (edge, beyond) = (foot(0.0, 0.0), foot(0.0, 1.0));
-            frame.axis(&axes[k], &mesh.axes[k], &|x| foot(x, 0.0), unit(edge, beyond));
+            frame.axis(axis, &mesh.axes[k], &|x| foot(x, 0.0), unit(edge, beyond));
         }
         // The vertical axis stands at the left.
         let corners = [(-0.5, -0.5), (-0.5, 0.5), (0.5, -0.5), (0.5, 0.5)];

@@ -28,7 +28,7 @@ fn unknown_words_are_refused_with_what_was_meant() {
         (
             "kind = \"waveform\"",
             "kind = \"wavefront\"",
-            "52: figure.beat.kind: unknown figure kind \"wavefront\" (did you mean \"waveform\"?); allowed: diagram, eigenvalues, waveform",
+            "52: figure.beat.kind: unknown figure kind \"wavefront\" (did you mean \"waveform\"?); allowed: diagram, eigenvalues, waveform...",
         ),
         (
             "x = \"p\"",
