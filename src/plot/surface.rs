@@ -26,7 +26,7 @@ const BAR_HEIGHT: f64 = 250.0;
 /// Colours that spread more than this are on a logarithmic scale.
 const DECADE: f64 = 8.0;
 /// Triangles are drawn so much larger, in pixels, that no seams show.
-const GROWN: f64 = 0.45;
+const GROWN: f64 = 0.7;
 const CONTOUR_WIDTH: f64 = 0.6;
 const EDGE_WIDTH: f64 = 0.9;
 const BORDER_WIDTH: f64 = 1.9;

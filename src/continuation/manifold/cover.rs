@@ -1,6 +1,7 @@
 //! The covering: charts, and where the next ones go.
 
 use super::polygon::{Polygon, Side};
+use super::target::Target;
 use super::{Bound, Chart, Surface};
 use crate::continuation::{Counts, Failure};
 use crate::linalg::Singular;
@@ -18,8 +19,6 @@ pub struct CoverControl {
 
 /// Charts solved for at once; fixed, so that results do not depend on the number of threads.
 const BATCH: usize = 8;
-/// A chart that would be nearer to a bound than this part of a radius is placed on it.
-const SNAP: f64 = 0.6;
 /// From chart to chart radii change by no more than this part of the distance.
 const SLOPE: f64 = 0.2;
 /// A chart shrinks when the surface leaves its plane by so many tolerances, or when another's slope to it exceeds so many
@@ -45,14 +44,6 @@ pub struct Cover<S> {
     pub failures: Vec<Failure>,
     control: CoverControl,
     open: BTreeSet<usize>,
-}
-
-/// Where a chart is to be placed: at s in the tangent plane of another, on some bounds.
-#[derive(Clone)]
-struct Target {
-    from: usize,
-    s: [f64; 2],
-    on: Vec<usize>,
 }
 
 impl<S: Surface> Cover<S> {
@@ -144,92 +135,6 @@ impl<S: Surface> Cover<S> {
             self.open.remove(i);
         });
         targets.into_iter().map(|(target, _)| target).collect()
-    }
-
-    /// The first place that a chart needs a neighbour at: corners of the box, then its faces, then inside.
-    fn target(&self, i: usize) -> Option<Target> {
-        let chart = &self.charts[i];
-        let radius = chart.radius;
-        let size = |v: [f64; 2]| v[0].hypot(v[1]);
-        let on = |k: usize| chart.on.contains(&k);
-        let is_new = |s: [f64; 2]| !chart.given_up.iter().any(|g| size([s[0] - g[0], s[1] - g[1]]) < 0.1 * radius);
-        let reach = |v: [f64; 2]| v.map(|c| c * radius / size(v));
-        let outside = |v: [f64; 2]| size(v) > radius * (1.0 + 1e-9);
-        let corners = || (0..chart.polygon.0.len()).map(|k| (chart.polygon.0[k].0, chart.polygon.meeting(k)));
-        for (v, meeting) in corners() {
-            if let (Side::Bound(k), Side::Bound(l)) = meeting
-                && !(on(k) && on(l))
-                && !outside(v)
-                && is_new(v)
-            {
-                return Some(Target { from: i, s: v, on: vec![k, l] });
-            }
-        }
-        for k in 0..chart.polygon.0.len() {
-            let Side::Bound(bound) = chart.polygon.0[k].1 else { continue };
-            let (a, b) = chart.polygon.ends(k);
-            if !on(bound) {
-                let d = [b[0] - a[0], b[1] - a[1]];
-                let t = (-(a[0] * d[0] + a[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
-                let s = [a[0] + t * d[0], a[1] + t * d[1]];
-                if !outside(s) && is_new(s) {
-                    return Some(self.snapped(i, s, vec![bound]));
-                }
-                continue;
-            }
-            let next = (k + 1) % chart.polygon.0.len();
-            for (v, beyond) in [(a, chart.polygon.meeting(k).0), (b, chart.polygon.0[next].1)] {
-                let foreign = match beyond {
-                    Side::Neighbour(j) => !self.charts[j].on.contains(&bound),
-                    Side::Open => true,
-                    Side::Bound(_) => outside(v),
-                };
-                if foreign || outside(v) {
-                    let s = if outside(v) { reach(v) } else { v };
-                    if is_new(s) {
-                        return Some(self.snapped(i, s, vec![bound]));
-                    }
-                }
-            }
-        }
-        for (v, (before, after)) in corners() {
-            let along = [before, after].iter().any(|side| matches!(side, Side::Bound(k) if on(*k)));
-            if !along && outside(v) && is_new(reach(v)) {
-                return Some(self.snapped(i, reach(v), Vec::new()));
-            }
-        }
-        None
-    }
-
-    /// A target close to a further bound is moved onto it.
-    fn snapped(&self, from: usize, mut s: [f64; 2], mut on: Vec<usize>) -> Target {
-        let chart = &self.charts[from];
-        for _ in on.len()..2 {
-            let near = (0..self.bounds.len()).filter(|k| !on.contains(k)).filter_map(|k| {
-                let (normal, offset) = chart.line(&self.bounds[k])?;
-                let foot = match on.first() {
-                    None => {
-                        let room = offset - (normal[0] * s[0] + normal[1] * s[1]);
-                        [s[0] + room * normal[0], s[1] + room * normal[1]]
-                    }
-                    Some(&first) => {
-                        let (other, limit) = chart.line(&self.bounds[first])?;
-                        let det = normal[0] * other[1] - normal[1] * other[0];
-                        [(offset * other[1] - limit * normal[1]) / det, (normal[0] * limit - other[0] * offset) / det]
-                    }
-                };
-                let moved = (foot[0] - s[0]).hypot(foot[1] - s[1]);
-                (moved < SNAP * chart.radius).then_some((k, foot, moved))
-            });
-            let Some((k, foot, _)) = near.min_by(|a, b| a.2.total_cmp(&b.2)) else { break };
-            // A corner where the chart itself is needs no other.
-            if on.iter().chain([&k]).all(|k| chart.on.contains(k)) && on.len() == 1 {
-                break;
-            }
-            on.push(k);
-            s = foot;
-        }
-        Target { from, s, on }
     }
 
     /// Solves for a target; if that turns out to lie outside of the box, on the bound instead.

@@ -21,6 +21,7 @@
 mod chart;
 mod cover;
 mod polygon;
+mod target;
 mod triangles;
 
 pub use chart::Chart;
