@@ -226,7 +226,7 @@ impl<S: Surface> Cover<S> {
             self.open.insert(k);
         }
         self.open.insert(new);
-        // What the new point tells its neighbours about their curvature.
+        // What the new point tells its neighbours about how far it bends there.
         for (k, distance) in near.into_iter().filter(|(k, _)| neighbours.contains(k)) {
             let (_, off) = self.charts[k].coordinates(&self.charts[new].x);
             let fitting = distance * (AIM * tolerance / off.max(f64::MIN_POSITIVE)).sqrt();

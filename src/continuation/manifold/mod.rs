@@ -10,7 +10,7 @@
 //!
 //! so that each chart keeps a convex polygon. A corner of a polygon outside of its circle is not covered yet: towards it
 //! the next chart is placed, on the circle, and corrected across the tangent plane. Radii are such that the surface
-//! leaves the tangent plane by a given tolerance at the circle, hence fall as the root of the curvature. The
+//! leaves the tangent plane by a given tolerance at the circle, hence fall where the surface bends. The
 //! polygons' neighbours are the edges of the triangulation ([`Cover::triangles`]).
 //!
 //! The box cuts polygons, too. Unlike Henderson's, charts whose polygons meet its bounds are placed on them, exactly, and so
