@@ -12,8 +12,8 @@
 //! |---|---|---|
 //! | [`problem`] | what is followed: [`problem::Problem`], and [`problem::Formula`] from which the rest is derived by dual numbers | `problem::Formula` |
 //! | [`linalg`] | LU, bordered systems, eigenvalues of pencils | `linalg::pencil` |
-//! | [`continuation`] | predictor, corrector, step control, points between points | `continuation::Walk` |
-//! | [`bifurcation`] | equilibria as curves and over grids, eigenvalue branches, Hopf points, normal forms | `bifurcation::Hopf` |
+//! | [`continuation`] | predictor, corrector, step control, points between points; surfaces by charts | `continuation::Walk` |
+//! | [`bifurcation`] | equilibria as curves and over grids, eigenvalue branches, Hopf points and folds, their curves and surfaces, normal forms, calibration | `bifurcation::Hopf` |
 //! | [`orbit`] | collocation, condensation, mesh, multipliers, start from a Hopf point | `orbit::Collocation` |
 //! | [`models`] | the models that scenes can name | `models::TwoDoublet` |
 //! | [`scene`] | TOML to typed scene, expressions, units, errors with file and line | `scene::Scene` |

@@ -18,6 +18,7 @@ fn branch(name: &str, kind: BranchKind, columns: &[(&str, &str)]) -> Branch {
         columns: columns.iter().map(column).collect(),
         rows: vec![],
         points: vec![],
+        triangles: Vec::new(),
     }
 }
 
@@ -381,6 +382,67 @@ fn unknown_stability_is_neither_solid_nor_dashed() {
     assert_eq!(lines_of(&svg, "#656565"), 1);
 }
 
+/// A sheet folded over itself, on which the first Lyapunov coefficient changes sign and is unknown in a corner.
+fn sheet(scale: f64) -> Branch {
+    let columns =
+        [("p", "pN µm⁻¹"), ("L", "µm"), ("k_N", ""), ("log10 k_N", ""), ("frequency", "Hz"), ("lyapunov", "")];
+    let mut sheet = branch("surface", BranchKind::HopfSurface, &columns);
+    sheet.free = ["p", "L", "k_N"].map(String::from).to_vec();
+    const SIDE: usize = 24;
+    for i in 0..=SIDE {
+        for j in 0..=SIDE {
+            let (s, t) = (i as f64 / SIDE as f64 * 2.0 - 1.0, j as f64 / SIDE as f64 * 2.0 - 1.0);
+            let fold = s * s * s - 0.45 * s;
+            let l1 = s + 0.4 * t;
+            add(
+                &mut sheet,
+                None,
+                Some(l1 < 0.0),
+                &[scale * s, fold + 0.3 * t, 10f64.powf(t), t, 20.0 + 15.0 * t * s, l1],
+            );
+            if i + j < 8 {
+                let row = sheet.rows.last_mut().unwrap();
+                (row.stable, row.values[5]) = (None, None);
+            }
+            if i < SIDE && j < SIDE {
+                let [a, b] = [i * (SIDE + 1) + j, (i + 1) * (SIDE + 1) + j];
+                sheet.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+            }
+        }
+    }
+    sheet
+}
+
+fn surface(name: &str, view: Option<[f64; 2]>) -> Spec {
+    let kind = SpecKind::Surface { tasks: vec!["surface".into()], view };
+    Spec { name: name.into(), title: "A folded sheet".into(), kind }
+}
+
+#[test]
+fn a_folded_surface_from_all_sides() {
+    for (name, view) in [
+        ("surface", None),
+        ("surface-side", Some([20.0, 15.0])),
+        ("surface-back", Some([160.0, 40.0])),
+        ("surface-above", Some([-90.0, 90.0])),
+        ("surface-level", Some([0.0, 0.0])),
+    ] {
+        let svg = checked(&surface(name, view), &[sheet(1.0)]);
+        for word in ["supercritical", "subcritical", "unknown", "frequency (Hz)", "log10 k N"] {
+            assert!(svg.contains(word), "{name} lacks {word}");
+        }
+        // From above, the fold hides where the criticality changes.
+        assert_eq!(svg.contains("generalised Hopf"), name != "surface-above", "{name}");
+        // The sheet's triangles are all there, some of them cut in two.
+        assert!(svg.matches("<polygon").count() > sheet(1.0).triangles.len());
+    }
+    checked(&surface("surface-huge", None), &[sheet(1e250)]);
+    checked(&surface("surface-flat", None), &[sheet(0.0)]);
+    let mut bare = sheet(1.0);
+    bare.triangles.clear();
+    assert!(matches!(draw(&surface("none", None), &[bare]), Err(PlotError::NoColumn { .. })));
+}
+
 #[test]
 fn what_is_missing_is_named() {
     let branches = [straight(), beat()];
@@ -402,7 +464,8 @@ fn what_is_missing_is_named() {
 
 #[test]
 fn a_spec_survives_json() {
-    for spec in [diagram("d", &["a"]), eigenvalues("e"), waveform("w", "beat/UZ1")] {
+    let seen = [surface("s", None), surface("s", Some([30.0, 20.0]))];
+    for spec in [diagram("d", &["a"]), eigenvalues("e"), waveform("w", "beat/UZ1")].into_iter().chain(seen) {
         let text = serde_json::to_string(&spec).unwrap();
         assert_eq!(serde_json::from_str::<Spec>(&text).unwrap(), spec);
     }

@@ -4,10 +4,12 @@
 
 mod archive;
 mod csv;
+mod mesh;
 mod store;
 mod table;
 
 pub use archive::{Array, read_arrays, write_point};
+pub use mesh::{read_triangles, write_mesh};
 pub use store::{StoreError, is_temporary, write_atomically};
 pub use table::{read_branch, write_branch};
 
@@ -24,6 +26,7 @@ pub enum BranchKind {
     FoldCurve,
     Calibration,
     Map,
+    HopfSurface,
 }
 
 /// A named column of a branch, with its unit ("" for a pure number).
@@ -100,7 +103,7 @@ impl SpecialPoint {
     }
 }
 
-/// A table of solutions along one curve.
+/// A table of solutions along one curve, or on a surface.
 #[derive(Serialize, Deserialize, Clone, Debug, PartialEq)]
 pub struct Branch {
     pub name: String,
@@ -110,12 +113,21 @@ pub struct Branch {
     pub columns: Vec<Column>,
     pub rows: Vec<Row>,
     pub points: Vec<SpecialPoint>,
+    /// Of a surface: triples of rows, counterclockwise.
+    #[serde(default)]
+    pub triangles: Vec<[usize; 3]>,
 }
 
 impl Branch {
     /// Index of a column by name.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|c| c.name == name)
+    }
+
+    /// The columns in which each free parameter is followed: its own, or that of its logarithm if there is one.
+    pub fn coordinates(&self) -> Vec<usize> {
+        let place = |name: &String| self.column(&format!("log10 {name}")).or(self.column(name));
+        self.free.iter().filter_map(place).collect()
     }
 
     /// The special point "NAME/LABEL" or "LABEL".

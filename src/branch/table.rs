@@ -38,7 +38,15 @@ pub fn read_branch(path: &Path, name: &str, kind: BranchKind, free: &[String]) -
     let text = std::fs::read_to_string(path).map_err(|cause| StoreError::Read { path: path.to_owned(), cause })?;
     let (columns, rows) =
         table(&text).map_err(|(line, problem)| StoreError::Table { path: path.to_owned(), line, problem })?;
-    Ok(Branch { name: name.to_owned(), kind, free: free.to_vec(), columns, rows, points: Vec::new() })
+    Ok(Branch {
+        name: name.to_owned(),
+        kind,
+        free: free.to_vec(),
+        columns,
+        rows,
+        points: Vec::new(),
+        triangles: Vec::new(),
+    })
 }
 
 fn table(text: &str) -> Result<(Vec<Column>, Vec<Row>), Problem> {
@@ -119,6 +127,7 @@ mod tests {
             columns: columns.iter().map(column).collect(),
             rows,
             points: vec![],
+            triangles: vec![],
         }
     }
 

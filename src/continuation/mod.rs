@@ -8,11 +8,13 @@
 
 mod between;
 mod corrector;
+mod manifold;
 mod step;
 mod walk;
 
 pub use between::{at_fraction, at_lambda, crossing};
 pub use corrector::{Corrected, Failure, correct};
+pub use manifold::{Bound, Chart, Cover, CoverControl, Surface};
 pub use step::StepControl;
 pub use walk::{Step, Stop, Walk, WalkState};
 

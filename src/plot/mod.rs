@@ -5,6 +5,7 @@
 
 mod axis;
 mod canvas;
+mod colour_bar;
 mod decades;
 mod diagram;
 mod eigenvalues;
@@ -16,6 +17,7 @@ mod panel;
 mod placement;
 mod stroke;
 mod style;
+mod surface;
 mod text;
 mod waveform;
 
@@ -37,6 +39,8 @@ pub enum SpecKind {
     Diagram { x: String, y: Vec<String>, tasks: Vec<String> },
     /// Real and imaginary parts of the eigenvalue branches against the free parameter, two panels.
     Eigenvalues { x: String, tasks: Vec<String> },
+    /// Surfaces in three parameters, seen from an azimuth and elevation in degrees (chosen, if None).
+    Surface { tasks: Vec<String>, view: Option<[f64; 2]> },
     /// Shapes at 16 phases, of an eigenmode or a cycle.
     Waveform {
         point: String,
@@ -85,6 +89,7 @@ pub fn draw(spec: &Spec, branches: &[Branch]) -> Result<String, PlotError> {
         SpecKind::Diagram { x, y, tasks } => diagram::draw(spec, x, y, &chosen(spec, tasks, branches)?),
         SpecKind::Eigenvalues { x, tasks } => eigenvalues::draw(spec, x, &chosen(spec, tasks, branches)?),
         SpecKind::Map { x, y, column, tasks } => map::draw(spec, x, y, column, &chosen(spec, tasks, branches)?),
+        SpecKind::Surface { tasks, view } => surface::draw(spec, *view, &chosen(spec, tasks, branches)?),
         SpecKind::Waveform { point, unit } => waveform::draw(spec, point, unit, branches),
     }
 }

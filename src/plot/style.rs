@@ -17,6 +17,8 @@ pub const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 pub const GRID: RGBColor = RGBColor(0xE9, 0xE9, 0xE9);
 /// Samples of the legend that stand for a line of any colour.
 pub const ANY: RGBColor = RGBColor(0x77, 0x77, 0x77);
+/// The far sides of a box.
+pub const PANE: RGBColor = RGBColor(0xF8, 0xF8, 0xF8);
 pub const ZERO: RGBColor = RGBColor(0x99, 0x99, 0x99);
 pub const WHITE: RGBColor = RGBColor(0xFF, 0xFF, 0xFF);
 pub const EQUILIBRIA: RGBColor = RGBColor(0x00, 0x00, 0x00);
@@ -77,12 +79,39 @@ pub fn eigenvalue(n: usize) -> (RGBColor, Option<Pattern>) {
 
 /// Colour of a phase between 0 and 1, from blue to red.
 pub fn phase(phase: f64) -> RGBColor {
-    let place = phase.clamp(0.0, 1.0) * (PHASES.len() - 1) as f64;
+    ramp(&PHASES, phase)
+}
+
+fn ramp(anchors: &[RGBColor], place: f64) -> RGBColor {
+    let place = place.clamp(0.0, 1.0) * (anchors.len() - 1) as f64;
     let below = place.floor();
-    let anchor = |i: usize| PHASES.get(i).copied();
+    let anchor = |i: usize| anchors.get(i).copied();
     let a = anchor(below as usize).unwrap_or(INK);
     let b = anchor(below as usize + 1).unwrap_or(a);
     mixed(a, b, place - below)
+}
+
+/// From pale to deep in equal steps of lightness; two hues that the colour-blind tell apart.
+const SUPERCRITICAL: [RGBColor; 4] =
+    [RGBColor(0xE3, 0xEE, 0xF9), RGBColor(0xA6, 0xCB, 0xE8), RGBColor(0x5C, 0xA0, 0xD0), RGBColor(0x1F, 0x6C, 0xAF)];
+const SUBCRITICAL: [RGBColor; 4] =
+    [RGBColor(0xFD, 0xEB, 0xD3), RGBColor(0xFB, 0xC5, 0x86), RGBColor(0xF0, 0x8F, 0x3C), RGBColor(0xC7, 0x58, 0x0A)];
+
+pub fn ramp_supercritical(place: f64) -> RGBColor {
+    ramp(&SUPERCRITICAL, place)
+}
+
+pub fn ramp_subcritical(place: f64) -> RGBColor {
+    ramp(&SUBCRITICAL, place)
+}
+
+pub fn ramp_unknown(place: f64) -> RGBColor {
+    ramp(&[GRID, ZERO], place)
+}
+
+/// A colour in the light of a lamp, 1 being full.
+pub fn shaded(colour: RGBColor, light: f64) -> RGBColor {
+    mixed(INK, colour, light)
 }
 
 /// Where stability is not known.

@@ -2,7 +2,7 @@
 
 use super::summary::Summary;
 use super::{RunError, place};
-use crate::branch::{Branch, BranchKind, read_arrays, read_branch, write_atomically};
+use crate::branch::{Branch, BranchKind, read_arrays, read_branch, read_triangles, write_atomically};
 use crate::plot::{Spec, SpecKind, draw};
 use crate::scene::{Figure, Scene, SceneError, Task, TaskKind};
 use std::collections::BTreeMap;
@@ -50,6 +50,7 @@ fn spec(figure: &Figure, branches: &[Branch], picture_unit: &str) -> Option<Spec
             SpecKind::Waveform { point, unit: picture_unit.to_owned() }
         }
         _ if tasks.is_empty() => return None,
+        "surface" => SpecKind::Surface { tasks, view: figure.view },
         "eigenvalues" => SpecKind::Eigenvalues { x: figure.x.clone().or_else(free)?, tasks },
         "map" => {
             let map = branches.iter().find(|b| b.kind == BranchKind::Map && tasks.contains(&b.name))?;
@@ -89,6 +90,9 @@ pub fn redraw(folder: &Path) -> Result<Vec<String>, RunError> {
                 errors: BTreeMap::new(),
                 arrays,
             });
+        }
+        if line.kind == BranchKind::HopfSurface {
+            branch.triangles = read_triangles(&folder.join(super::files::mesh(&line.name)), branch.rows.len())?;
         }
         branches.push(branch);
     }

@@ -1,7 +1,9 @@
 //! The folder of a run: `output/SCENE/` with branches, points, figures, summary and log.
 
 use super::summary::Summary;
-use crate::branch::{Branch, StoreError, is_temporary, write_atomically, write_branch, write_point};
+use crate::branch::{
+    Branch, BranchKind, StoreError, is_temporary, write_atomically, write_branch, write_mesh, write_point,
+};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -27,6 +29,7 @@ impl Folder {
         remove(&self.path("summary.json"));
         for task in tasks {
             remove(&self.path("branches").join(format!("{task}.csv")));
+            remove(&self.path(&mesh(task)));
             remove(&self.path("resume").join(format!("{task}.json")));
             if let Ok(entries) = std::fs::read_dir(self.path("points").join(task)) {
                 entries
@@ -43,6 +46,9 @@ impl Folder {
             return Ok(());
         }
         write_branch(&self.path("branches").join(format!("{}.csv", branch.name)), branch)?;
+        if branch.kind == BranchKind::HopfSurface {
+            write_mesh(&self.path(&mesh(&branch.name)), branch)?;
+        }
         for point in &branch.points {
             write_point(&self.path("points").join(format!("{}.npz", point.label)), point)?;
         }
@@ -62,6 +68,11 @@ impl Folder {
     pub fn write_log(&self, log: &str) -> Result<(), StoreError> {
         write_atomically(&self.path("run.log"), |file| file.write_all(log.as_bytes()))
     }
+}
+
+/// Where the triangles of a task are, in the run's folder.
+pub fn mesh(task: &str) -> String {
+    format!("meshes/{task}.ply")
 }
 
 /// Removes the temporary files of a run that was killed while it wrote.

@@ -80,6 +80,7 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Curve) -> Branch {
         columns,
         rows: Vec::new(),
         points: Vec::new(),
+        triangles: Vec::new(),
     }
 }
 

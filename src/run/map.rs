@@ -104,6 +104,7 @@ fn empty(prepared: &Prepared, name: &str, task: &scene::Map) -> Branch {
         columns,
         rows: Vec::new(),
         points: Vec::new(),
+        triangles: Vec::new(),
     }
 }
 

@@ -8,6 +8,7 @@ mod figures;
 mod files;
 mod fold_curve;
 mod hopf_curve;
+mod hopf_surface;
 mod map;
 mod outcome;
 mod plan;
@@ -182,6 +183,10 @@ fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper
         TaskKind::Calibration(fit) => match source(&fit.from) {
             Ok(from) => calibration::run(prepared, &task.name, fit, from, watch),
             Err(reason) => Outcome::failed(calibration::empty(prepared, &task.name, fit), reason),
+        },
+        TaskKind::HopfSurface(surface) => match source(&surface.from) {
+            Ok(from) => hopf_surface::run(prepared, &task.name, surface, from, watch),
+            Err(reason) => Outcome::failed(hopf_surface::empty(prepared, &task.name, surface), reason),
         },
     }
 }

@@ -72,6 +72,13 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                     targets.join(", ")
                 );
             }
+            TaskKind::HopfSurface(surface) => {
+                let _ = writeln!(
+                    out,
+                    "  computed: the surface of Hopf points from {}, to {} of the ranges, with their normal form",
+                    surface.from, surface.tolerance
+                );
+            }
             TaskKind::Cycles(c) => {
                 let points = if c.gauss { "Gauss" } else { "Radau" };
                 let _ = writeln!(

@@ -17,7 +17,7 @@ pub fn check(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
             TaskKind::Equilibria(_) => label.kind == "HB",
             TaskKind::HopfCurve(_) => ["UZ", "EP", "GH"].contains(&label.kind),
             TaskKind::Calibration(_) => label.kind == "UZ",
-            TaskKind::Cycles(_) | TaskKind::FoldCurve(_) | TaskKind::Map(_) => false,
+            TaskKind::Cycles(_) | TaskKind::FoldCurve(_) | TaskKind::Map(_) | TaskKind::HopfSurface(_) => false,
         })
     });
     match allowed {

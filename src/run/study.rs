@@ -282,6 +282,7 @@ impl Study {
             TaskKind::FoldCurve(_) => &fold_curve::VALUES,
             TaskKind::Calibration(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im"],
             TaskKind::Map(_) => &["growth", "omega", "frequency", "gap"],
+            TaskKind::HopfSurface(_) => &["omega", "frequency", "lyapunov"],
         };
         let list = self.model.observables();
         let fitted = if let TaskKind::Calibration(task) = &task.kind { task.columns() } else { Vec::new() };
@@ -318,7 +319,7 @@ impl Study {
             TaskKind::HopfCurve(_) | TaskKind::FoldCurve(_) => {
                 along.others.iter().map(|axis| axis.name.clone()).collect()
             }
-            TaskKind::Calibration(_) | TaskKind::Map(_) => Vec::new(),
+            TaskKind::Calibration(_) | TaskKind::Map(_) | TaskKind::HopfSurface(_) => Vec::new(),
         };
         for name in along.values.keys().filter(|name| **name != along.free) {
             if !columns.contains(name) {

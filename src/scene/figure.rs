@@ -5,12 +5,13 @@ use super::label::{self, Announced};
 use super::{Fault, Figure, SceneError, Task, map};
 
 /// Kinds of figures, as a scene names them.
-pub const FIGURE_KINDS: [&str; 4] = ["diagram", "eigenvalues", "waveform", "map"];
+pub const FIGURE_KINDS: [&str; 5] = ["diagram", "eigenvalues", "waveform", "map", "surface"];
 
 const DIAGRAM: [&str; 6] = ["name", "kind", "title", "x", "y", "tasks"];
 const EIGENVALUES: [&str; 5] = ["name", "kind", "title", "x", "tasks"];
 const MAP: [&str; 5] = ["name", "kind", "title", "tasks", "column"];
 const WAVEFORM: [&str; 4] = ["name", "kind", "title", "point"];
+const SURFACE: [&str; 5] = ["name", "kind", "title", "tasks", "view"];
 
 /// Reads one figure; every task is known by then.
 pub(super) fn read(
@@ -19,7 +20,7 @@ pub(super) fn read(
     tasks: &[Task],
     announced: &[Announced],
 ) -> Result<Figure, SceneError> {
-    section.allow("key", &["name", "kind", "title", "x", "y", "tasks", "point", "column"])?;
+    section.allow("key", &["name", "kind", "title", "x", "y", "tasks", "point", "column", "view"])?;
     let kind = match section.get("kind") {
         Some(entry) => entry.choice("figure kind", &FIGURE_KINDS)?,
         None => "diagram",
@@ -39,6 +40,7 @@ pub(super) fn read(
         tasks: Vec::new(),
         point: None,
         column: None,
+        view: None,
         at: section.at.clone(),
     };
     match kind {
@@ -47,6 +49,14 @@ pub(super) fn read(
             let point = section.need("point", "point = \"TASK/UZ1\", the cycle to draw")?;
             label::check(point.text()?, tasks, announced).map_err(|fault| point.error(fault))?;
             figure.point = Some(point.text()?.to_owned());
+        }
+        "surface" => {
+            section.allow("key of a surface figure", &SURFACE)?;
+            figure.tasks = drawn(section, tasks)?;
+            figure.view = match section.get("view") {
+                Some(entry) => Some(view(&entry)?),
+                None => None,
+            };
         }
         "eigenvalues" => {
             section.allow("key of an eigenvalues figure", &EIGENVALUES)?;
@@ -71,6 +81,21 @@ pub(super) fn read(
         }
     }
     Ok(figure)
+}
+
+/// `[azimuth, elevation]` in degrees.
+fn view(entry: &Entry<'_>) -> Result<[f64; 2], SceneError> {
+    let expected = "[azimuth, elevation], two angles in degrees";
+    let items = entry.list(expected)?;
+    let [azimuth, elevation] = items.as_slice() else {
+        return entry.type_error(expected);
+    };
+    let height = elevation.number()?;
+    if !(0.0..=90.0).contains(&height) {
+        let allowed = "elevations from 0 to 90 degrees".to_owned();
+        return Err(elevation.error(Fault::OutOfBounds { found: height.to_string(), allowed }));
+    }
+    Ok([azimuth.number()?, height])
 }
 
 fn column(entry: &Entry<'_>) -> Result<String, SceneError> {

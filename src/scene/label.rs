@@ -64,6 +64,9 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         ("UZ", TaskKind::Calibration(_)) => None,
         (_, TaskKind::Calibration(_)) => Some(" (its solutions are UZ1, UZ2, ...)".to_owned()),
         (_, TaskKind::Map(_)) => Some(" (it is a map, without points)".to_owned()),
+        (_, TaskKind::HopfSurface(_)) => {
+            Some(" (a surface has no points with names; start from where it starts)".to_owned())
+        }
         ("EP", _) => None,
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
         ("UZ", _) => None,

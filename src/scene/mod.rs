@@ -129,6 +129,7 @@ pub enum TaskKind {
     FoldCurve(Curve),
     Calibration(Calibration),
     Map(Map),
+    HopfSurface(Surface),
 }
 
 /// A closed range, `from < to`: reversed and empty ranges are refused, as are NaN and infinite ends.
@@ -149,6 +150,7 @@ impl TaskKind {
             TaskKind::FoldCurve(_) => "fold-curve",
             TaskKind::Calibration(_) => "calibration",
             TaskKind::Map(_) => "map",
+            TaskKind::HopfSurface(_) => "hopf-surface",
         }
     }
 
@@ -159,6 +161,7 @@ impl TaskKind {
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => &task.along,
             TaskKind::Calibration(task) => &task.along,
             TaskKind::Map(task) => &task.along,
+            TaskKind::HopfSurface(task) => &task.along,
         }
     }
 
@@ -169,6 +172,7 @@ impl TaskKind {
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => Some((&task.from, &task.from_at)),
             TaskKind::Calibration(task) => Some((&task.from, &task.from_at)),
+            TaskKind::HopfSurface(task) => Some((&task.from, &task.from_at)),
         }
     }
 }
@@ -297,11 +301,23 @@ pub struct Map {
     pub grid: [usize; 2],
 }
 
+/// `kind = "hopf-surface"`.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// Three parameters, each with a range.
+    pub along: Along,
+    /// "straight/HB1".
+    pub from: String,
+    pub from_at: Place,
+    /// How far the surface may leave its tangent planes between points, in parts of the ranges.
+    pub tolerance: f64,
+}
+
 /// `[[figure]]`.
 #[derive(Clone, Debug)]
 pub struct Figure {
     pub name: String,
-    /// "diagram" (default), "eigenvalues", "waveform", "map".
+    /// "diagram" (default), "eigenvalues", "waveform", "map", "surface".
     pub kind: String,
     pub title: Option<String>,
     pub x: Option<String>,
@@ -312,6 +328,8 @@ pub struct Figure {
     pub point: Option<String>,
     /// For maps: "frequency" (default), "growth".
     pub column: Option<String>,
+    /// For surfaces: the azimuth and elevation of the eye in degrees; None: where most of the surface is seen.
+    pub view: Option<[f64; 2]>,
     pub at: Place,
 }
 

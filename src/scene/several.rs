@@ -5,7 +5,14 @@ use std::collections::BTreeMap;
 use super::along::{MAX_POINTS, range_ends};
 use super::entry::{Entry, Section};
 use super::label::{self, Announced};
-use super::{Along, Axis, Curve, Fault, Range, SceneError, Task};
+use super::{Along, Axis, Curve, Fault, Range, SceneError, Surface, Task};
+
+/// Default of a surface's tolerance.
+const TOLERANCE: f64 = 5e-4;
+/// And of its most points.
+const MOST_POINTS: usize = 10_000;
+/// Coarser than this a surface is not one.
+const COARSEST: f64 = 0.1;
 
 /// A curve in two parameters from a point; only the second parameter needs a range.
 pub(super) fn curve(
@@ -18,6 +25,27 @@ pub(super) fn curve(
     label::check(from.text()?, read, announced).map_err(|fault| from.error(fault))?;
     let along = along(section, &["p", "L"], 1)?;
     Ok(Curve { along, from: from.text()?.to_owned(), from_at: from.at })
+}
+
+/// A surface in three parameters from a point; all need ranges.
+pub(super) fn surface(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Result<Surface, SceneError> {
+    let from = section.need("from", "from = \"TASK/HB1\", a Hopf point of the surface")?;
+    label::check(from.text()?, read, announced).map_err(|fault| from.error(fault))?;
+    let mut along = along(section, &["p", "L", "k_N"], 3)?;
+    if section.get("max_points").is_none() {
+        along.max_points = MOST_POINTS;
+    }
+    let tolerance = match section.get("tolerance") {
+        Some(entry) => match entry.positive()? {
+            value if value <= COARSEST => value,
+            value => {
+                let allowed = format!("numbers greater than 0, up to {COARSEST}");
+                return Err(entry.error(Fault::OutOfBounds { found: value.to_string(), allowed }));
+            }
+        },
+        None => TOLERANCE,
+    };
+    Ok(Surface { along, from: from.text()?.to_owned(), from_at: from.at, tolerance })
 }
 
 /// As many free parameters as the example has names; the last `bounded` ones need a range.

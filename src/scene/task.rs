@@ -6,7 +6,8 @@ use super::tree::Content;
 use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, map, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 6] = ["equilibria", "cycles", "hopf-curve", "fold-curve", "calibration", "map"];
+pub const TASK_KINDS: [&str; 7] =
+    ["equilibria", "cycles", "hopf-curve", "fold-curve", "hopf-surface", "calibration", "map"];
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
@@ -15,6 +16,7 @@ const CYCLES: [&str; 6] = ["from", "intervals", "degree", "points", "multipliers
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
 const CALIBRATION: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "targets", "starts", "errors"];
 const MAP: [&str; 7] = ["name", "kind", "free", "range", "log", "grid", "errors"];
+const HOPF_SURFACE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "tolerance", "max_points", "errors"];
 
 const MAX_COLUMNS: usize = 1000;
 
@@ -26,7 +28,7 @@ pub(super) fn read(
     announced: &[Announced],
 ) -> Result<Task, SceneError> {
     // A misspelt "kind" is to be named as such, so first the keys that no kind knows.
-    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts", "grid"]].concat())?;
+    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts", "grid", "tolerance"]].concat())?;
     let kinds = TASK_KINDS.map(|kind| format!("{kind:?}")).join(" or ");
     let kind = section.need("kind", &format!("kind = {kinds}"))?;
     let kind = match kind.choice("task kind", &TASK_KINDS)? {
@@ -54,6 +56,10 @@ pub(super) fn read(
         "map" => {
             section.allow("key of a map task", &MAP)?;
             TaskKind::Map(map::task(section)?)
+        }
+        "hopf-surface" => {
+            section.allow("key of a hopf-surface task", &HOPF_SURFACE)?;
+            TaskKind::HopfSurface(several::surface(section, read, announced)?)
         }
         _ => {
             section.allow("key of an equilibria task", &[&COMMON[..], &EQUILIBRIA].concat())?;

@@ -1,24 +1,33 @@
-//! The factored Jacobian of a Hopf curve, by block elimination.
+//! The factored Jacobian of Hopf points in m parameters (two: a curve, three: a surface), by block elimination.
 //!
 //! Never is g_u formed. With G_u itself bordered, so that it may be singular (at zero-Hopf points),
 //!
 //! ```text
-//! [ G_u     beta ] [du]   [r - G_1 dz1 - G_2 dz2]
-//! [ gamma^T   0  ] [mu] = [          t          ],      mu = 0,
+//! [ G_u     beta ] [du]   [r - G_1 dz1 - ... - G_m dzm]
+//! [ gamma^T   0  ] [mu] = [             t             ],      mu = 0,
 //! ```
 //!
-//! du is a combination of four solutions with known vectors; derivatives of (a, b) along them and `mu = 0` leave a system
-//! of four equations for t, d kappa, dz1 and dz2, whose last row is the border (Govaerts 2000,
+//! du is a combination of m + 2 solutions with known vectors; derivatives of (a, b) along them and `mu = 0` leave a system
+//! of m + 2 equations for t, d kappa, dz1, ..., dzm, whose last m - 1 rows are the borders (Govaerts 2000,
 //! doi:10.1137/1.9780898719543, chapters 3 and 4, has both ideas).
 
-use super::HopfCurve;
+use super::Borders;
 use super::scalar::Scalar;
+use crate::bifurcation::Coordinate;
 use crate::bifurcation::steady::Steady;
-use crate::continuation::{Border, Factored};
+use crate::continuation::Factored;
 use crate::linalg::{Lu, Singular, dot};
 use crate::problem::{At, Direction, Problem};
-use faer::Mat;
+use faer::{Mat, MatRef};
 use std::sync::Arc;
+
+/// A point (u, kappa, p) with G_u and G_v there.
+pub struct Place<'a> {
+    pub u: &'a [f64],
+    pub kappa: f64,
+    pub p: Vec<f64>,
+    pub linear: (MatRef<'a, f64>, MatRef<'a, f64>),
+}
 
 /// Factors at one point.
 pub struct HopfFactors {
@@ -27,70 +36,77 @@ pub struct HopfFactors {
     p: Vec<f64>,
     scalar: Scalar,
     steady: Steady,
-    /// (u, mu) for right-hand sides G_1 and G_2, and for t = 1.
-    by_parameters: [Vec<f64>; 2],
+    /// (u, mu) for right-hand sides G_1, ..., G_m, and for t = 1.
+    by_parameters: Vec<Vec<f64>>,
     by_t: Vec<f64>,
-    /// The border's row for u.
-    row: Vec<f64>,
+    /// The borders' rows for u.
+    rows: Vec<Vec<f64>>,
     small: Lu<f64>,
-    /// What the four rows were divided by.
-    sizes: [f64; 4],
+    /// What the small system's rows were divided by.
+    sizes: Vec<f64>,
     unit_kappa: f64,
 }
 
 impl HopfFactors {
-    pub fn new(curve: &HopfCurve, x: &[f64], lambda: f64, border: &Border) -> Result<Self, Singular> {
-        let n = curve.problem.dim();
-        let problem = &*curve.problem;
-        let (u, kappa, z) = (&x[..n], x[n], [x[n + 1], lambda]);
-        let (gu, gv, p) = curve.linearised(u, z);
+    /// At a point, with the values z of the coordinates there; each of the rows has an entry for u, kappa and every z.
+    pub fn new(
+        problem: Arc<dyn Problem>,
+        Place { u, kappa, p, linear: (gu, gv) }: Place,
+        coordinates: &[(Coordinate, f64)],
+        borders: &Borders,
+        rows: &[&[f64]],
+    ) -> Result<Self, Singular> {
+        let n = problem.dim();
+        let m = coordinates.len() + 2;
         let rest = vec![0.0; n];
         let at = At { u, v: &rest, p: &p };
-        let scalar = Scalar::new(gu.dense(), gv.dense(), kappa, &curve.borders)?;
-        let steady = Steady::new(gu.dense(), &curve.borders.beta, &curve.borders.gamma)?;
-        let zero = vec![0.0; n];
-        let by_t = steady.solve(&zero, 1.0);
-        let unit_kappa = curve.borders.unit.powi(2);
+        let scalar = Scalar::new(gu, gv, kappa, borders)?;
+        let steady = Steady::new(gu, &borders.beta, &borders.gamma)?;
+        let by_t = steady.solve(&rest, 1.0);
+        let unit_kappa = borders.unit.powi(2);
 
-        let mut small = Mat::zeros(4, 4);
-        let g_kappa = scalar.by_kappa(gv.dense());
-        let g_t = scalar.along(problem, at, Direction { u: &by_t[..n], v: &[], p: &[] });
+        let mut small = Mat::zeros(m, m);
+        let g_kappa = scalar.by_kappa(gv);
+        let g_t = scalar.along(&*problem, at, Direction { u: &by_t[..n], v: &[], p: &[] });
         small[(0, 0)] = by_t[n];
-        small[(3, 0)] = dot(&border.row[..n], &by_t[..n]);
-        for row in 0..2 {
-            (small[(1 + row, 0)], small[(1 + row, 1)]) = (g_t[row], g_kappa[row] * unit_kappa);
+        for i in 0..2 {
+            (small[(1 + i, 0)], small[(1 + i, 1)]) = (g_t[i], g_kappa[i] * unit_kappa);
         }
-        small[(3, 1)] = border.row[n] * unit_kappa;
-        let mut by_parameters = [Vec::new(), Vec::new()];
-        for (k, coordinate) in [curve.first, curve.second].into_iter().enumerate() {
+        for (i, row) in rows.iter().enumerate() {
+            (small[(3 + i, 0)], small[(3 + i, 1)]) = (dot(&row[..n], &by_t[..n]), row[n] * unit_kappa);
+        }
+        let mut by_parameters = Vec::with_capacity(coordinates.len());
+        for (k, (coordinate, z)) in coordinates.iter().enumerate() {
             let mut e = vec![0.0; p.len()];
-            e[coordinate.index] = coordinate.rate(z[k]);
+            e[coordinate.index] = coordinate.rate(*z);
             let mut g = vec![0.0; n];
             problem.derivative(at, &[Direction { u: &[], v: &[], p: &e }], &mut g);
             let solved = steady.solve(&g, 0.0);
             let back: Vec<f64> = solved[..n].iter().map(|x| -x).collect();
-            let g_z = scalar.along(problem, at, Direction { u: &back, v: &[], p: &e });
+            let g_z = scalar.along(&*problem, at, Direction { u: &back, v: &[], p: &e });
             small[(0, 2 + k)] = -solved[n];
             (small[(1, 2 + k)], small[(2, 2 + k)]) = (g_z[0], g_z[1]);
-            let own = if k == 0 { border.row[n + 1] } else { border.lambda };
-            small[(3, 2 + k)] = own - dot(&border.row[..n], &solved[..n]);
-            by_parameters[k] = solved;
+            for (i, row) in rows.iter().enumerate() {
+                small[(3 + i, 2 + k)] = row[n + 1 + k] - dot(&row[..n], &solved[..n]);
+            }
+            by_parameters.push(solved);
         }
         // Rows of one size: the pivots of so small a system would otherwise depend on units.
-        let sizes = [0, 1, 2, 3].map(|i| (0..4).map(|j| small[(i, j)].abs()).fold(f64::MIN_POSITIVE, f64::max));
-        let small = Mat::from_fn(4, 4, |i, j| small[(i, j)] / sizes[i]);
+        let size = |i: usize| (0..m).map(|j| small[(i, j)].abs()).fold(f64::MIN_POSITIVE, f64::max);
+        let sizes: Vec<f64> = (0..m).map(size).collect();
+        let small = Mat::from_fn(m, m, |i, j| small[(i, j)] / sizes[i]);
         Ok(Self {
-            problem: curve.problem.clone(),
             u: u.to_vec(),
-            p,
             scalar,
             steady,
             by_parameters,
             by_t,
-            row: border.row[..n].to_vec(),
+            rows: rows.iter().map(|row| row[..n].to_vec()).collect(),
             small: Lu::new(small.as_ref())?,
             sizes,
             unit_kappa,
+            problem,
+            p,
         })
     }
 }
@@ -106,14 +122,15 @@ impl Factored for HopfFactors {
             let at = At { u: &self.u, v: &rest, p: &self.p };
             self.scalar.along(&*self.problem, at, Direction { u: &solved[..n], v: &[], p: &[] })
         };
-        let mut y =
-            [-solved[n], right[n] - along[0], right[n + 1] - along[1], right[n + 2] - dot(&self.row, &solved[..n])];
+        let mut y = vec![-solved[n], right[n] - along[0], right[n + 1] - along[1]];
+        y.extend(self.rows.iter().zip(&right[n + 2..]).map(|(row, right)| right - dot(row, &solved[..n])));
         y.iter_mut().zip(&self.sizes).for_each(|(y, size)| *y /= size);
         self.small.solve(&mut y);
-        let [t, kappa, z1, z2] = y;
         for i in 0..n {
-            right[i] = solved[i] + t * self.by_t[i] - z1 * self.by_parameters[0][i] - z2 * self.by_parameters[1][i];
+            let moved: f64 = self.by_parameters.iter().zip(&y[2..]).map(|(by, z)| by[i] * z).sum();
+            right[i] = solved[i] + y[0] * self.by_t[i] - moved;
         }
-        (right[n], right[n + 1], right[n + 2]) = (kappa * self.unit_kappa, z1, z2);
+        right[n] = y[1] * self.unit_kappa;
+        right[n + 1..].copy_from_slice(&y[2..]);
     }
 }

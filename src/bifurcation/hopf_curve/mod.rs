@@ -5,10 +5,13 @@
 //! zero-Hopf points and Bogdanov-Takens points, where kappa changes sign. Borders follow the curve from step to step.
 
 mod blocks;
+mod borders;
 mod scalar;
 mod segment;
 
 pub use blocks::HopfFactors;
+pub(super) use borders::Borders;
+pub(super) use scalar::Scalar;
 pub use segment::{Segment, Test};
 
 use super::coordinate::Coordinate;
@@ -17,26 +20,14 @@ use super::{Hopf, HopfError};
 use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, correct, inner};
 use crate::linalg::{Eigenpair, Matrix, Singular, c64, dot, pencil};
 use crate::problem::{At, Problem, Prolongation};
-use scalar::Scalar;
+pub(super) use blocks::Place;
 use std::sync::Arc;
 
 /// A relative change of kappa counts as so much arclength: hardly anything, since the parameters already tell points of
 /// the curve apart; but not nothing, so that convergence is measured in kappa, too.
 const WEIGHT_KAPPA: f64 = 1e-3;
-/// From one step to the next the unit of kappa shrinks no more than this, so that steps do not die before kappa = 0.
-const SHRINK: f64 = 0.1;
 /// The parameter to be solved for with the other fixed is the first, unless the curve runs along it this much more.
 const STEEP: f64 = 1e3;
-
-/// Reference vectors: real borders of the pencil (`column`, `row`) and of G_u (`beta`, `gamma`), and the unit of sigma.
-#[derive(Clone, Debug)]
-struct Borders {
-    column: Vec<f64>,
-    row: Vec<f64>,
-    beta: Vec<f64>,
-    gamma: Vec<f64>,
-    unit: f64,
-}
 
 /// The system of a Hopf curve.
 #[derive(Clone)]
@@ -60,15 +51,7 @@ impl HopfCurve {
     ) -> Result<(Self, Point), Failure> {
         let n = problem.dim();
         let rms = (dot(&hopf.u, &hopf.u) / n as f64).sqrt();
-        // No vector is known to be near the kernel of G_u; two inverse iterations from any make one.
-        let any: Vec<f64> = (0..n).map(|i| 1.0 + (7 * i % 5) as f64).collect();
-        let borders = Borders {
-            column: real_direction(&hopf.w.iter().map(|z| z.conj()).collect::<Vec<_>>()),
-            row: real_direction(&hopf.q),
-            beta: unit(any.clone()),
-            gamma: unit(any),
-            unit: hopf.omega,
-        };
+        let borders = Borders::start(hopf);
         let scale_state = if rms > 0.0 { rms } else { 1.0 };
         let mut curve = Self { problem, p: hopf.p.clone(), first, second, scale_state, borders };
         let mut x = hopf.u.clone();
@@ -178,14 +161,7 @@ impl HopfCurve {
 
     /// The same curve on another discretisation of the problem.
     pub fn refined(&self, problem: Arc<dyn Problem>, prolong: &Prolongation) -> Self {
-        let Borders { column, row, beta, gamma, unit } = &self.borders;
-        let borders = Borders {
-            column: prolong(column),
-            row: prolong(row),
-            beta: prolong(beta),
-            gamma: prolong(gamma),
-            unit: *unit,
-        };
+        let borders = self.borders.refined(prolong);
         Self { problem, borders, ..self.clone() }
     }
 
@@ -219,7 +195,13 @@ impl System for HopfCurve {
     }
 
     fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<HopfFactors, Singular> {
-        HopfFactors::new(self, x, lambda, border)
+        let n = self.problem.dim();
+        let (u, kappa, z) = (&x[..n], x[n], [x[n + 1], lambda]);
+        let row = [&border.row[..], &[border.lambda]].concat();
+        let (gu, gv, p) = self.linearised(u, z);
+        let place = Place { u, kappa, p, linear: (gu.dense(), gv.dense()) };
+        let coordinates = [(self.first, z[0]), (self.second, z[1])];
+        HopfFactors::new(self.problem.clone(), place, &coordinates, &self.borders, &[&row])
     }
 
     fn dual(&self, t: &[f64]) -> Vec<f64> {
@@ -240,15 +222,7 @@ impl System for HopfCurve {
         let n = self.problem.dim();
         let (gu, gv, _) = self.linearised(&point.x[..n], self.coordinates(point));
         let kappa = self.kappa(point);
-        if let Ok(scalar) = Scalar::new(gu.dense(), gv.dense(), kappa, &self.borders) {
-            let left: Vec<c64> = scalar.left_vector().iter().map(|z| z.conj()).collect();
-            (self.borders.row, self.borders.column) = (real_direction(&scalar.vector()), real_direction(&left));
-        }
-        if let Ok(steady) = Steady::new(gu.dense(), &self.borders.beta, &self.borders.gamma) {
-            let (right, left) = (steady.solve(&vec![0.0; n], 1.0), steady.left(n));
-            (self.borders.gamma, self.borders.beta) = (unit(right[..n].to_vec()), unit(left[..n].to_vec()));
-        }
-        self.borders.unit = kappa.abs().sqrt().max(SHRINK * self.borders.unit);
+        self.borders.follow(gu.dense(), gv.dense(), kappa);
         let length = inner(self, (&point.tangent, point.tangent_lambda), (&point.tangent, point.tangent_lambda)).sqrt();
         if length > 0.0 {
             point.tangent.iter_mut().for_each(|t| *t /= length);
@@ -262,16 +236,4 @@ impl System for HopfCurve {
 pub fn reverse(point: &mut Point) {
     point.tangent.iter_mut().for_each(|t| *t = -*t);
     point.tangent_lambda = -point.tangent_lambda;
-}
-
-fn unit(x: Vec<f64>) -> Vec<f64> {
-    let size = dot(&x, &x).sqrt();
-    x.iter().map(|x| x / size).collect()
-}
-
-/// A real unit vector with as large a product with z as there is: the real part of z in the phase that makes it largest.
-fn real_direction(z: &[c64]) -> Vec<f64> {
-    let square: c64 = z.iter().map(|z| z * z).sum();
-    let turn = if square.norm() > 0.0 { c64::from_polar(1.0, -0.5 * square.arg()) } else { c64::new(1.0, 0.0) };
-    unit(z.iter().map(|z| (z * turn).re).collect())
 }

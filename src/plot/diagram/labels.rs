@@ -84,6 +84,7 @@ mod tests {
             columns: units.iter().map(column).collect(),
             rows: vec![Row { values: vec![Some(1.0); units.len()], ..Row::default() }],
             points: vec![],
+            triangles: vec![],
         }
     }
 

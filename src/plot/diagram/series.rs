@@ -170,6 +170,7 @@ mod tests {
                 })
                 .collect(),
             points: vec![],
+            triangles: vec![],
         }
     }
 

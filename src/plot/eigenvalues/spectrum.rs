@@ -187,6 +187,7 @@ mod tests {
                 .map(|(i, values)| Row { label: Some(format!("XP{}", i + 1)), stable: None, values: values.to_vec() })
                 .collect(),
             points: vec![],
+            triangles: vec![],
         };
         Spectrum::new("p", &[&branch])
     }

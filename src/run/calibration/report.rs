@@ -49,6 +49,7 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Calibration) -> Bran
         columns: columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
         rows: Vec::new(),
         points: Vec::new(),
+        triangles: Vec::new(),
     }
 }
 

@@ -29,6 +29,7 @@ pub fn run(prepared: &Prepared, name: &str, task: &scene::Equilibria, watch: &Wa
         columns: Vec::new(),
         rows: Vec::new(),
         points: Vec::new(),
+        triangles: Vec::new(),
     };
     let mut counts = Counts::default();
     let mut outcome = match follow(prepared, branch.clone(), task, watch, &mut counts) {

@@ -94,6 +94,7 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Curve) -> Branch {
         columns: columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
         rows: Vec::new(),
         points: Vec::new(),
+        triangles: Vec::new(),
     }
 }
 
