@@ -33,7 +33,7 @@ fn unknown_words_are_refused_with_what_was_meant() {
         (
             "x = \"p\"",
             "xx = \"p\"",
-            "41: figure.diagram.xx: unknown key \"xx\"; allowed: name, kind, title, x, y, tasks, point",
+            "41: figure.diagram.xx: unknown key \"xx\"; allowed: name, kind, title, x, y, tasks, point...",
         ),
         (
             "point = \"beat/UZ2\"",
