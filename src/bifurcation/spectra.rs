@@ -119,7 +119,8 @@ impl<'a> Spectra<'a> {
             let guess = extrapolate(samples, i);
             let last = &samples[i - 1].followed;
             let values = &samples[i].values;
-            let height = |count: usize| values[0].re - values.get(count).or(values.last()).map_or(values[0].re, |z| z.re);
+            let height =
+                |count: usize| values[0].re - values.get(count).or(values.last()).map_or(values[0].re, |z| z.re);
             let found = match follow(last, &guess, values, self.wanted, BLUR * height(self.wanted)) {
                 Err(_) if halvings >= MOST_HALVINGS => {
                     Ok(Followed { values: settle(&guess, values), coalesced: Vec::new() })
