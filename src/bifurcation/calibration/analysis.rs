@@ -45,8 +45,7 @@ impl Calibration {
         }
         let svd = j.select_columns(&open).svd(true, true);
         let condition = svd.singular_values.max() / svd.singular_values.min();
-        // The negation is for a ratio that is not a number.
-        if !(condition <= SINGULAR) {
+        if condition.is_nan() || condition > SINGULAR {
             return Ok(analysis);
         }
         analysis.condition = Some(condition);
