@@ -215,7 +215,7 @@ fn a_fold_curve_passes_the_cusp_on_its_invariant() {
     let signs = [points[0].x[0], points[points.len() - 1].x[0]];
     assert!(signs[0] * signs[1] < 0.0, "{signs:?}");
     let pair = points.windows(2).find(|w| w[0].x[0] * w[1].x[0] < 0.0).expect("the cusp is passed");
-    let value = |point: &Point| curve.curvature(point).unwrap();
+    let value = |point: &Point| curve.quadratic(point).unwrap();
     let cusp = crossing(&curve, (&pair[0], &pair[1]), &value, &mut Counts::default()).unwrap();
     let p = curve.parameters(&cusp);
     near("a", p[0], 0.0, 1e-12);

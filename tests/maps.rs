@@ -247,7 +247,8 @@ fn synthetic(n: usize, at: impl Fn(f64, f64) -> (f64, f64, f64, i32)) -> Branch 
         free: vec!["a".into(), "b".into()],
         columns: names.iter().map(|name| Column { name: (*name).into(), unit: String::new() }).collect(),
         rows: (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| row(i, j)).collect(),
-        points: Vec::new(), triangles: Vec::new(),
+        points: Vec::new(),
+        triangles: Vec::new(),
     }
 }
 

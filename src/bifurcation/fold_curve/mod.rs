@@ -113,7 +113,7 @@ impl FoldCurve {
     }
 
     /// Zero at a cusp: `w^T D²G[q, q] / 2`, the quadratic coefficient of the fold.
-    pub fn curvature(&self, point: &Point) -> Result<f64, Singular> {
+    pub fn quadratic(&self, point: &Point) -> Result<f64, Singular> {
         let n = self.problem.dim();
         let (q, w, _) = self.kernel(point)?;
         let (rest, p) = (vec![0.0; n], self.parameters(point));

@@ -30,7 +30,7 @@ impl FoldSegment {
     pub fn value(&self, test: FoldTest, point: &Point) -> f64 {
         match test {
             FoldTest::Value(k, goal) => self.curve.coordinates(point)[k] - goal,
-            FoldTest::Cusp => self.curve.curvature(point).unwrap_or(f64::NAN),
+            FoldTest::Cusp => self.curve.quadratic(point).unwrap_or(f64::NAN),
             FoldTest::Takens => self.curve.mass(point).unwrap_or(f64::NAN),
             FoldTest::Pair(from, to) => self.pair(from, to, point).map_or(f64::NAN, |pair| pair.re),
         }

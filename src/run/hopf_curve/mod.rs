@@ -14,7 +14,7 @@ use crate::branch::{Branch, BranchKind, Column, Kind, SpecialPoint};
 use crate::continuation::{Counts, Point, StepControl, Stop, Walk};
 use crate::problem::{Problem, Refinement};
 use crate::scene;
-use sample::Sample;
+use sample::{Reached, Sample};
 use start::CurveError;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -180,7 +180,7 @@ impl Curve<'_> {
         let control = StepControl { step: FIRST_STEP, least: LEAST_STEP, most: LARGEST_STEP };
         let mut walk = Walk::new(&mut curve, start, control, (low, high));
         let mut samples: Vec<Sample> = Vec::new();
-        let mut pending: Vec<(Segment, Point, Option<(Kind, Option<Test>)>)> = Vec::new();
+        let mut pending: Vec<Reached> = Vec::new();
         loop {
             let end: Option<(Status, String)>;
             if interrupted() {

@@ -11,6 +11,11 @@ use rayon::prelude::*;
 /// Estimated relative error of a parameter from which on the discretisation counts as too coarse.
 const COARSE: f64 = 1e-3;
 
+/// What kind of special point a point is, if any, and the test that found it.
+pub(super) type Mark = Option<(Kind, Option<Test>)>;
+/// A step, the point that it reached, and what that is.
+pub(super) type Reached = (Segment, Point, Mark);
+
 /// A point of the curve with all that its row needs.
 pub(super) struct Sample {
     /// The step that led here.
@@ -22,7 +27,7 @@ pub(super) struct Sample {
     /// The same Hopf point on the refined discretisation.
     pub(super) fine: Option<Here>,
     pub(super) others: Vec<c64>,
-    pub(super) mark: Option<(Kind, Option<Test>)>,
+    pub(super) mark: Mark,
 }
 
 /// The Hopf point and what is born there.
@@ -33,19 +38,20 @@ pub(super) struct Here {
 
 impl Curve<'_> {
     /// Everything that rows need, side by side.
-    pub(super) fn samples(&self, points: Vec<(Segment, Point, Option<(Kind, Option<Test>)>)>) -> Vec<Sample> {
+    pub(super) fn samples(&self, points: Vec<Reached>) -> Vec<Sample> {
         points.into_par_iter().map(|(segment, point, mark)| self.sample(segment, point, mark)).collect()
     }
 
-    fn sample(&self, segment: Segment, point: Point, mark: Option<(Kind, Option<Test>)>) -> Sample {
+    fn sample(&self, segment: Segment, point: Point, mark: Mark) -> Sample {
         let problem = &*self.prepared.problem;
-        let vanished = matches!(mark, Some((Kind::BT, _)));
+        // Where the frequency or another eigenvalue vanishes neither the slope nor l1 exists.
+        let degenerate = matches!(mark, Some((Kind::BT | Kind::ZH, _)));
         let free = match mark {
             Some((_, Some(Test::Value(0, _)))) => segment.curve.second.index,
             Some((_, Some(Test::Value(_, _)))) => segment.curve.first.index,
             _ => segment.curve.solvable(&point),
         };
-        let here = segment.curve.hopf(&point, free).ok().filter(|_| !vanished);
+        let here = segment.curve.hopf(&point, free).ok().filter(|_| !degenerate);
         let here = here.map(|hopf| Here { form: HopfNormalForm::new(problem, &hopf).ok(), hopf });
         let fine = here.as_ref().and_then(|here| self.fine(segment.curve.first.index, free, here));
         let others = segment.curve.others(&point).unwrap_or_default();

@@ -18,7 +18,7 @@ fn unknown_words_are_refused_with_what_was_meant() {
         (
             "spectrum = 8",
             "degree = 4",
-            "20: task.straight.degree: unknown key of an equilibria task \"degree\"; allowed: name, kind, free, range, values, max_step, max_points, observables, errors, spectrum, detect",
+            "20: task.straight.degree: unknown key of an equilibria task \"degree\"; allowed: name, kind, free, range, values, max_step, max_points, observables, errors, ...",
         ),
         (
             "kind = \"cycles\"",
