@@ -309,6 +309,27 @@ fn the_curve_in_the_stiffness_covers_seven_decades() {
 }
 
 #[test]
+fn the_curve_reaches_a_stiffness_of_zero() {
+    let sets = ["task.onset.log=[]", "task.onset.range={ k_N = [0, 2e4] }", "model.functions=28"];
+    let summary = study("onset-kN", None, &sets);
+    assert_eq!(number(&summary, "onset/EP1", "k_N"), 0.0);
+    matches(&summary, "onset/EP1", 21.497443667, 1049.312744222);
+}
+
+/// Where the beats' criticality changes along the curve in k_N, with the sign that the outer cycle's stability has.
+#[test]
+fn a_bautin_point_comes_with_its_second_coefficient() {
+    let at = |functions: usize| {
+        let summary = study("onset-k3N", None, &[&format!("model.functions={functions}")]);
+        let point = summary.points.iter().find(|p| p.label == "onset/GH1").unwrap().clone();
+        (point.values["lyapunov_2"], point.errors["lyapunov_2"])
+    };
+    let ((coarse, estimate), (fine, _)) = (at(28), at(40));
+    assert!(fine > 0.0);
+    assert!((coarse - fine).abs() <= 3.0 * estimate, "{coarse} ± {estimate}, {fine}");
+}
+
+#[test]
 fn the_curve_in_the_time_constant_covers_six_decades() {
     let text = "
         [model]
@@ -366,6 +387,8 @@ fn bad_input_is_named() {
         assert!(message.contains(wanted), "{message:?} lacks {wanted:?}");
     };
     refused(&["task.onset.from=\"straight/EP1\""], "the start must be a Hopf point");
+    refused(&["task.onset.kind=\"fold-curve\""], "the start must be a fold");
+    refused(&["task.straight.start=500"], "outside the range 0 to 400");
     refused(&["task.onset.from=\"straight/GH1\""], "points of codimension two are on curves");
     refused(&["task.onset.free=[\"p\", \"p\"]"], "given twice");
     refused(&["task.onset.free=[\"p\"]"], "two names");

@@ -124,12 +124,9 @@ fn symbols(panel: &Panel, series: &[Series]) -> Vec<Symbol> {
 fn legend(series: &[Series], curves: &[Curve], symbols: &[Symbol]) -> Legend {
     let shown = |wanted: Stability| curves.iter().any(|c| c.stability == wanted);
     let mut styles = Vec::new();
-    let drawn = |kind: BranchKind| series.iter().any(|s| s.branch.kind == kind);
-    let meanings = match (drawn(BranchKind::HopfCurve), drawn(BranchKind::FoldCurve)) {
-        (true, false) => ["supercritical", "subcritical", "criticality unknown"],
-        (true, true) => ["supercritical", "subcritical", "folds"],
-        (false, true) => ["stable", "unstable", "folds"],
-        (false, false) => ["stable", "unstable", "stability unknown"],
+    let meanings = match series.iter().any(|s| s.branch.kind == BranchKind::HopfCurve) {
+        true => ["supercritical", "subcritical", "criticality unknown"],
+        false => ["stable", "unstable", "stability unknown"],
     };
     for (stability, meaning) in [Stability::Stable, Stability::Unstable, Stability::Unknown].into_iter().zip(meanings) {
         if shown(stability) {

@@ -13,6 +13,8 @@ pub enum Stability {
     Stable,
     Unstable,
     Unknown,
+    /// Folds have none.
+    Neither,
 }
 
 /// One column of one branch. Its points are pairs of numbers, not yet places on the page.
@@ -125,6 +127,9 @@ impl Series<'_> {
     }
 
     fn stability_at(&self, row: usize) -> Stability {
+        if self.branch.kind == BranchKind::FoldCurve {
+            return Stability::Neither;
+        }
         match self.branch.rows.get(row).and_then(|r| r.stable) {
             Some(true) => Stability::Stable,
             Some(false) => Stability::Unstable,
