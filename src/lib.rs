@@ -57,12 +57,16 @@
 
 pub mod bifurcation;
 pub mod branch;
+#[cfg(feature = "program")]
 pub mod cli;
 pub mod continuation;
 pub mod linalg;
 pub mod models;
 pub mod orbit;
+#[cfg(feature = "program")]
 pub mod plot;
 pub mod problem;
+#[cfg(feature = "program")]
 pub mod run;
+#[cfg(feature = "program")]
 pub mod scene;

@@ -1,7 +1,7 @@
 //! A task of kind `fold-curve`: folds in two parameters, both ways from the start, with cusps, Bogdanov-Takens and
 //! zero-Hopf points, and wanted values.
 
-use super::outcome::{Outcome, Status, labels};
+use super::outcome::{Outcome, Status, joined, labels};
 use super::start::{StartError, coordinates, equilibrium};
 use super::study::Prepared;
 use super::watch::{Watch, interrupted};
@@ -109,12 +109,7 @@ impl Tool<'_> {
         } else {
             self.way(curve, point, &start, most, counts)?
         };
-        let reason = if down.reason == up.reason {
-            up.reason
-        } else {
-            format!("one way: {}; the other: {}", down.reason, up.reason)
-        };
-        let status = [down.status, up.status].into_iter().find(|s| *s != Status::Done).unwrap_or(Status::Done);
+        let (status, reason) = joined([(down.status, &down.reason), (up.status, &up.reason)]);
         let mut samples: Vec<Sample> = down.samples.into_iter().rev().chain([start]).chain(up.samples).collect();
         let last = samples.len() - 1;
         for end in [0, last] {

@@ -2,7 +2,7 @@
 
 use super::equilibria::error;
 use super::outcome::{Outcome, Status};
-use super::start::Stored;
+use super::start::{StartError, Stored, coordinate};
 use super::study::Prepared;
 use super::watch::{Watch, interrupted};
 use crate::bifurcation::{Coordinate, Hopf, HopfError, HopfNormalForm, HopfSurface};
@@ -25,8 +25,8 @@ enum SurfaceError {
     Start(#[from] HopfError),
     #[error("{0} is not stored with its eigenvector")]
     Incomplete(String),
-    #[error("the start has {name} = {value}, which does not lie inside the range {from} to {to}")]
-    Outside { name: String, value: f64, from: f64, to: f64 },
+    #[error(transparent)]
+    Place(#[from] StartError),
     #[error("none of {0} moves the Hopf point: there is no surface in these parameters")]
     NoSurface(String),
 }
@@ -191,18 +191,8 @@ impl Tool<'_> {
     }
 
     fn coordinates(&self, hopf: &Hopf) -> Result<[Coordinate; 3], SurfaceError> {
-        let mut made = Vec::with_capacity(3);
-        for (index, range) in self.free().zip(self.ranges()) {
-            let name = self.prepared.problem.parameters()[index].name.to_owned();
-            let value = hopf.p[index];
-            let slack = 1e-12 * (range.to - range.from);
-            if !(range.from - slack..=range.to + slack).contains(&value) {
-                return Err(SurfaceError::Outside { name, value, from: range.from, to: range.to });
-            }
-            let logarithmic = self.task.along.logarithmic.contains(&name);
-            let plain = Coordinate { index, logarithmic, width: 1.0 };
-            made.push(Coordinate { width: plain.of(range.to) - plain.of(range.from), ..plain });
-        }
+        let make = |(index, range)| coordinate(self.prepared, &self.task.along, (index, Some(range)), &hopf.p);
+        let made: Vec<Coordinate> = self.free().zip(self.ranges()).map(make).collect::<Result<_, _>>()?;
         made.try_into().map_err(|_| self.no_surface())
     }
 

@@ -30,6 +30,14 @@ impl Outcome {
     }
 }
 
+/// Why a curve that was followed both ways ended, and its status.
+pub fn joined(ways: [(Status, &str); 2]) -> (Status, String) {
+    let status = ways.into_iter().map(|(status, _)| status).find(|s| *s != Status::Done).unwrap_or(Status::Done);
+    let [(_, down), (_, up)] = ways;
+    let reason = if down == up { up.to_owned() } else { format!("one way: {down}; the other: {up}") };
+    (status, reason)
+}
+
 /// The next label of a kind: "HB1" and "straight/HB1".
 pub fn labels(branch: &Branch, kind: Kind) -> (String, String) {
     let count = branch.points.iter().filter(|p| p.kind == kind).count();

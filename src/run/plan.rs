@@ -93,18 +93,25 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                     &yes_no(multipliers, "Floquet multipliers and stability".into(), "multipliers are not asked for");
             }
         }
-        let list = ready.study.observables();
-        let wanted: Vec<&str> = prepared.observables.iter().map(|&i| list[i].name).collect();
-        let others: Vec<&str> = list.iter().map(|o| o.name).filter(|name| !wanted.contains(name)).collect();
-        out += &yes_no(!wanted.is_empty(), format!("observables {}", wanted.join(", ")), "none is used");
-        if !others.is_empty() {
-            let _ = writeln!(
-                out,
-                "  left out: observables {} (no column, figure or expectation uses them)",
-                others.join(", ")
-            );
+        if let TaskKind::Equilibria(_) | TaskKind::Cycles(_) | TaskKind::FoldCurve(_) = task.kind {
+            let list = ready.study.observables();
+            let wanted: Vec<&str> = prepared.observables.iter().map(|&i| list[i].name).collect();
+            let others: Vec<&str> = list.iter().map(|o| o.name).filter(|name| !wanted.contains(name)).collect();
+            for (names, taken, why) in
+                [(wanted, true, ""), (others, false, "no column, figure or expectation uses them")]
+            {
+                if !names.is_empty() {
+                    out += &yes_no(taken, format!("observables {}", names.join(", ")), why);
+                }
+            }
         }
-        out += &yes_no(along.errors, "error estimates on a refined discretisation".into(), "errors = false");
+        let refined = crate::problem::Problem::refined(&*prepared.problem).is_some();
+        let estimates = "error estimates on a refined discretisation".to_owned();
+        out += &match (along.errors, &task.kind) {
+            (false, _) => yes_no(false, estimates, "errors = false"),
+            (true, TaskKind::FoldCurve(_)) => yes_no(false, estimates, "folds have none"),
+            (true, _) => yes_no(refined, estimates, "the model has no finer discretisation"),
+        };
     }
     for figure in &scene.figures {
         let _ = writeln!(out, "figure {}: {}", figure.name, figure.kind);

@@ -43,30 +43,38 @@ pub enum StartError {
 /// A first parameter without a range counts in parts of so many times its value at the start: the second sets the pace.
 const WIDE: f64 = 10.0;
 
-/// Both free parameters of a curve as coordinates; the start, with parameters p, must lie inside their ranges.
-pub fn coordinates(prepared: &Prepared, along: &Along, p: &[f64]) -> Result<(Coordinate, Coordinate), StartError> {
-    let make = |index: usize, range: Option<&Range>| {
-        let name = prepared.problem.parameters()[index].name.to_owned();
-        let logarithmic = along.logarithmic.contains(&name);
-        let value = p[index];
-        if logarithmic && value <= 0.0 {
-            return Err(StartError::NotPositive(name, value));
-        }
-        let mut coordinate = Coordinate { index, logarithmic, width: 1.0 };
-        match range {
-            Some(range) => {
-                let slack = 1e-12 * (range.to - range.from);
-                if !(range.from - slack..=range.to + slack).contains(&value) {
-                    return Err(StartError::Outside { name, value, from: range.from, to: range.to });
-                }
-                coordinate.width = coordinate.of(range.to) - coordinate.of(range.from);
+/// A free parameter as a coordinate; the start, with parameters p, must lie inside its range.
+pub fn coordinate(
+    prepared: &Prepared,
+    along: &Along,
+    (index, range): (usize, Option<&Range>),
+    p: &[f64],
+) -> Result<Coordinate, StartError> {
+    let name = prepared.problem.parameters()[index].name.to_owned();
+    let logarithmic = along.logarithmic.contains(&name);
+    let value = p[index];
+    if logarithmic && value <= 0.0 {
+        return Err(StartError::NotPositive(name, value));
+    }
+    let mut coordinate = Coordinate { index, logarithmic, width: 1.0 };
+    match range {
+        Some(range) => {
+            let slack = 1e-12 * (range.to - range.from);
+            if !(range.from - slack..=range.to + slack).contains(&value) {
+                return Err(StartError::Outside { name, value, from: range.from, to: range.to });
             }
-            None if !logarithmic && value != 0.0 => coordinate.width = WIDE * value.abs(),
-            None => {}
+            coordinate.width = coordinate.of(range.to) - coordinate.of(range.from);
         }
-        Ok(coordinate)
-    };
+        None if !logarithmic && value != 0.0 => coordinate.width = WIDE * value.abs(),
+        None => {}
+    }
+    Ok(coordinate)
+}
+
+/// Both free parameters of a curve.
+pub fn coordinates(prepared: &Prepared, along: &Along, p: &[f64]) -> Result<(Coordinate, Coordinate), StartError> {
     let range = along.others.first().and_then(|axis| axis.range.as_ref());
+    let make = |index, range| coordinate(prepared, along, (index, range), p);
     Ok((make(prepared.first(), range)?, make(prepared.free, Some(&along.range))?))
 }
 

@@ -133,11 +133,13 @@ impl Summary {
                 Status::Interrupted => "interrupted",
                 Status::Failed => "FAILED",
             };
-            let counts = task.counts;
+            let done = [(task.counts.factorisations, "factorisations"), (task.counts.spectra, "spectra")];
+            let done = done.into_iter().filter(|(count, _)| *count > 0);
+            let work: String = done.map(|(count, what)| format!(", {count} {what}")).collect();
             let _ = writeln!(
                 out,
-                "\n{}: {status} ({}), {} points, {:.2} s, {} factorisations, {} spectra",
-                task.name, task.reason, task.points, task.seconds, counts.factorisations, counts.spectra
+                "\n{}: {status} ({}), {} points, {:.2} s{work}",
+                task.name, task.reason, task.points, task.seconds
             );
             let free = self.branches.iter().find(|b| b.name == task.name).map_or(Vec::new(), |b| b.free.clone());
             for point in self.points.iter().filter(|p| p.label.starts_with(&format!("{}/", task.name))) {

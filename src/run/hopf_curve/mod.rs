@@ -5,7 +5,7 @@ mod rows;
 mod sample;
 mod start;
 
-use super::outcome::{Outcome, Status};
+use super::outcome::{Outcome, Status, joined};
 use super::start::coordinates;
 use super::study::Prepared;
 use super::watch::{Watch, interrupted};
@@ -131,12 +131,7 @@ impl Curve<'_> {
         if down.reason == Stop::Closed.to_string() {
             up = Way { samples: Vec::new(), reason: down.reason.clone(), status: down.status };
         }
-        let reason = if down.reason == up.reason {
-            up.reason
-        } else {
-            format!("one way: {}; the other: {}", down.reason, up.reason)
-        };
-        let status = [down.status, up.status].into_iter().find(|s| *s != Status::Done).unwrap_or(Status::Done);
+        let (status, reason) = joined([(down.status, &down.reason), (up.status, &up.reason)]);
         let mut samples: Vec<Sample> = down.samples.into_iter().rev().chain(start).chain(up.samples).collect();
         let last = samples.len() - 1;
         for end in [0, last] {
