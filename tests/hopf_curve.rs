@@ -1,5 +1,7 @@
 //! Hopf curves: systems with known curves and points of codimension two, and the two-doublet flagellum's numbers.
 
+mod common;
+
 use hopfline::bifurcation::{Coordinate, Hopf, HopfCurve, HopfNormalForm, Segment, Test, reverse};
 use hopfline::continuation::{Counts, StepControl, Walk};
 use hopfline::linalg::c64;
@@ -372,20 +374,7 @@ fn geometry_alone_is_subcritical_with_either_law() {
 
 #[test]
 fn bad_input_is_named() {
-    let refused = |sets: &[&str], wanted: &str| {
-        let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("problems/onset-L.toml");
-        let out = tempfile::tempdir().unwrap();
-        let options = RunOptions { out: out.path().to_owned(), only: Vec::new(), resume: false, quiet: true };
-        let message = match Scene::load(&path, &sets) {
-            Err(error) => error.to_string(),
-            Ok(scene) => match run(&scene, &options) {
-                Err(error) => error.to_string(),
-                Ok(summary) => summary.tasks.iter().map(|task| task.reason.clone() + "; ").collect(),
-            },
-        };
-        assert!(message.contains(wanted), "{message:?} lacks {wanted:?}");
-    };
+    let refused = |sets: &[&str], wanted: &str| common::refused("onset-L", sets, wanted);
     refused(&["task.onset.from=\"straight/EP1\""], "the start must be a Hopf point");
     refused(&["task.onset.kind=\"fold-curve\""], "the start must be a fold");
     refused(&["task.straight.start=500"], "outside the range 0 to 400");

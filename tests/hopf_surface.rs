@@ -1,5 +1,7 @@
 //! Hopf surfaces: systems with known surfaces, and the two-doublet flagellum's numbers.
 
+mod common;
+
 use hopfline::bifurcation::{Coordinate, Hopf, HopfNormalForm, HopfSurface};
 use hopfline::branch::{Branch, BranchKind, read_branch, read_triangles};
 use hopfline::continuation::{Bound, Cover, CoverControl};
@@ -214,20 +216,7 @@ fn threads_change_nothing() {
 
 #[test]
 fn bad_input_is_named() {
-    let refused = |sets: &[&str], wanted: &str| {
-        let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("problems/onset-surface.toml");
-        let out = tempfile::tempdir().unwrap();
-        let options = RunOptions { out: out.path().to_owned(), only: Vec::new(), resume: false, quiet: true };
-        let message = match Scene::load(&path, &sets) {
-            Err(error) => error.to_string(),
-            Ok(scene) => match run(&scene, &options) {
-                Err(error) => error.to_string(),
-                Ok(summary) => summary.tasks.iter().map(|task| task.reason.clone() + "; ").collect(),
-            },
-        };
-        assert!(message.contains(wanted), "{message:?} lacks {wanted:?}");
-    };
+    let refused = |sets: &[&str], wanted: &str| common::refused("onset-surface", sets, wanted);
     refused(&["task.surface.from=\"straight/EP1\""], "the start must be a Hopf point");
     refused(&["task.surface.free=[\"p\", \"L\"]"], "three names");
     refused(&["task.surface.free=[\"p\", \"L\", \"tau\"]"], "unknown free parameter \"k_N\"");

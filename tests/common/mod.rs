@@ -8,6 +8,9 @@ use hopfline::linalg::c64;
 use hopfline::models::{Law, Load, TwoDoublet};
 use hopfline::orbit::{Collocation, Frame, Multipliers, Orbit, Points, from_hopf, half_period};
 use hopfline::problem::{At, Automatic, Bounds, Default, Parameter, Problem};
+use hopfline::run::{RunOptions, run};
+use hopfline::scene::Scene;
+use std::path::Path;
 use std::sync::Arc;
 
 pub fn parameter(name: &'static str, value: f64) -> Parameter {
@@ -187,4 +190,21 @@ pub struct Cycle {
     pub orbit: Orbit,
     pub multipliers: Multipliers,
     pub deflection: f64,
+}
+
+/// Runs a scene of `problems` with nothing printed; it must be refused or fail with a message that has `wanted` in it.
+#[track_caller]
+pub fn refused(name: &str, sets: &[&str], wanted: &str) {
+    let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("problems").join(format!("{name}.toml"));
+    let out = tempfile::tempdir().unwrap();
+    let options = RunOptions { out: out.path().to_owned(), only: Vec::new(), resume: false, quiet: true };
+    let message = match Scene::load(&path, &sets) {
+        Err(error) => error.to_string(),
+        Ok(scene) => match run(&scene, &options) {
+            Err(error) => error.to_string(),
+            Ok(summary) => summary.tasks.iter().map(|task| task.reason.clone() + "; ").collect(),
+        },
+    };
+    assert!(message.contains(wanted), "{message:?} lacks {wanted:?}");
 }

@@ -1,0 +1,158 @@
+//! Exceptional points: where two eigenvalues of a branch of equilibria coalesce.
+
+use super::{Mark, Sample, Spectra};
+use crate::bifurcation::Equilibria;
+use crate::continuation::{Counts, Failure, Point, at_fraction, at_lambda};
+use crate::linalg::c64;
+use rayon::prelude::*;
+
+/// Where the curves of real and imaginary parts bend like a square root, points stand at these fractions of the gap.
+const GRADES: [f64; 3] = [1.0 / 100.0, 1.0 / 20.0, 1.0 / 5.0];
+/// A discriminant that does not come this close to zero, in parts of its values at the ends, does not vanish.
+const JUMP: f64 = 1e-6;
+
+impl Spectra<'_> {
+    /// Inserts the exceptional point between samples i - 1 and i, and points that draw near to it; how many.
+    pub(super) fn exceptional(
+        &self,
+        samples: &mut Vec<Sample>,
+        i: usize,
+        ends: (Meeting, Meeting),
+        counts: &mut Counts,
+    ) -> Result<usize, Failure> {
+        let (a, b) = (samples[i - 1].point.clone(), samples[i].point.clone());
+        let Some((theta, mean)) = self.coalescence((&a, &b), ends, counts)? else { return Ok(0) };
+        let left = GRADES.iter().rev().map(|g| (theta * (1.0 - g), false));
+        let right = GRADES.iter().map(|g| (theta + (1.0 - theta) * g, false));
+        let lambda = a.lambda + theta * (b.lambda - a.lambda);
+        let known = |s: &Sample| {
+            let near = (s.point.lambda - lambda).abs() <= 1e-6 * (b.lambda - a.lambda).abs();
+            near && matches!(s.mark, Some(Mark::Exceptional(_)))
+        };
+        if samples.iter().any(known) {
+            return Ok(0);
+        }
+        let places: Vec<(f64, bool)> = left.chain([(theta, true)]).chain(right).collect();
+        let added: Result<Vec<Sample>, Failure> = places
+            .par_iter()
+            .map(|&(at, exact)| {
+                let mut counts = Counts::default();
+                let point = at_fraction(self.system, (&a, &b), at, &mut counts)?.point;
+                let mut sample = Sample::new(point, exact.then_some(Mark::Exceptional(mean)));
+                sample.values = self.at(&sample.point, &mut counts)?;
+                Ok(sample)
+            })
+            .collect();
+        samples.splice(i..i, added?);
+        counts.spectra += places.len();
+        Ok(places.len())
+    }
+
+    /// The fraction of the step from a to b at which two eigenvalues coalesce, known at both ends, and their mean there:
+    /// the root of the discriminant, which is smooth (Illinois). None if it has the same sign at both ends.
+    fn coalescence(
+        &self,
+        (a, b): (&Point, &Point),
+        (start, end): (Meeting, Meeting),
+        counts: &mut Counts,
+    ) -> Result<Option<(f64, f64)>, Failure> {
+        if start.discriminant * end.discriminant > 0.0 {
+            return Ok(None);
+        }
+        let scale = start.discriminant.abs().max(end.discriminant.abs());
+        // Where, the pair there, and the discriminant as the method weighs it.
+        let (mut low, mut high) = ((0.0_f64, start, start.discriminant), (1.0_f64, end, end.discriminant));
+        for _ in 0..60 {
+            let theta = (low.0 * high.2 - high.0 * low.2) / (high.2 - low.2);
+            let point = at_fraction(self.system, (a, b), theta, counts)?.point;
+            let expected = low.1.towards(high.1, (theta - low.0) / (high.0 - low.0));
+            let here = Meeting::nearest(&self.at(&point, counts)?, expected);
+            if here.discriminant.abs() < 1e-10 * scale {
+                return Ok(Some((theta, here.mean)));
+            }
+            if (high.0 - low.0).abs() < 1e-12 {
+                break;
+            }
+            if here.discriminant * high.2 < 0.0 {
+                low = high;
+            } else {
+                low.2 *= 0.5;
+            }
+            high = (theta, here, here.discriminant);
+        }
+        // A jump instead of a root: the two ends belong to different pairs.
+        Ok((high.1.discriminant.abs() < JUMP * scale).then_some((high.0, high.1.mean)))
+    }
+
+    /// Where the exceptional point `sample` lies on another discretisation, `fine`, of the same system: secant steps
+    /// on the discriminant along the step between the same neighbours' parameters, from where it lies on this one.
+    pub fn exceptional_on(
+        &self,
+        fine: &Equilibria,
+        (a, sample, b): (&Sample, &Sample, &Sample),
+        settle: impl Fn(&Point) -> Option<Point>,
+        mean: f64,
+    ) -> Option<f64> {
+        let ends = (settle(&a.point)?, settle(&b.point)?);
+        let mut counts = Counts::default();
+        let mut look = |lambda: f64| {
+            let point = at_lambda(fine, (&ends.0, &ends.1), lambda, &mut counts).ok()?.point;
+            let pairs = fine.spectrum(&point.x, point.lambda, self.shift, 0).ok()?;
+            let values: Vec<c64> = pairs.iter().take(self.looked_at()).map(|pair| pair.value).collect();
+            Some(Meeting::nearest(&values, Meeting { mean, discriminant: 0.0 }).discriminant)
+        };
+        let near = |s: &Sample| Meeting::nearest(&s.values, Meeting { mean, discriminant: 0.0 }).discriminant;
+        let width = (b.point.lambda - a.point.lambda).abs();
+        let slope = (near(b) - near(a)) / (b.point.lambda - a.point.lambda);
+        let mut last = (sample.point.lambda, look(sample.point.lambda)?);
+        let mut step = -last.1 / slope;
+        for _ in 0..8 {
+            let here = (last.0 + step, look(last.0 + step)?);
+            let next = -here.1 * (here.0 - last.0) / (here.1 - last.1);
+            // Rounding in the eigenvalues ends the convergence, above any tolerance set in advance.
+            if next.abs() >= 0.5 * step.abs() && step.abs() <= 1e-6 * width || next.abs() <= 1e-12 * width {
+                return Some(here.0);
+            }
+            (last, step) = (here, next);
+        }
+        None
+    }
+}
+
+/// Two eigenvalues s1, s2, both real or conjugate, by what is smooth where they coalesce.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Meeting {
+    /// (s1 + s2)/2.
+    mean: f64,
+    /// ((s1 - s2)/2)²: positive for real ones.
+    discriminant: f64,
+}
+
+impl Meeting {
+    pub(super) fn of(x: c64, y: c64) -> Self {
+        let half = 0.5 * (x - y);
+        Self { mean: 0.5 * (x.re + y.re), discriminant: half.re * half.re - half.im * half.im }
+    }
+
+    /// The linear interpolant.
+    fn towards(self, other: Self, theta: f64) -> Self {
+        let mix = |a: f64, b: f64| a + theta * (b - a);
+        Self { mean: mix(self.mean, other.mean), discriminant: mix(self.discriminant, other.discriminant) }
+    }
+
+    /// The two of all eigenvalues that are most like what is expected.
+    fn nearest(values: &[c64], expected: Self) -> Self {
+        let mut best = (f64::INFINITY, expected);
+        for (j, &x) in values.iter().enumerate() {
+            for &y in &values[..j] {
+                let alike = (x.im + y.im).abs() <= 1e-9 * (x + y).norm();
+                let pair = Self::of(x, y);
+                let off = (pair.mean - expected.mean).powi(2) + (pair.discriminant - expected.discriminant).abs();
+                if alike && off < best.0 {
+                    best = (off, pair);
+                }
+            }
+        }
+        best.1
+    }
+}
