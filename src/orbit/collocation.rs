@@ -41,7 +41,7 @@ pub struct Collocation {
     points: Points,
     pub mesh: Vec<f64>,
     /// `int <., u_ref'> dtau` as a row over all nodes but the last.
-    phase: Vec<f64>,
+    pub(super) phase: Vec<f64>,
     /// Weight of each node in the metric, the last node's carried by the first.
     weights: Vec<f64>,
 }
@@ -136,7 +136,7 @@ impl Collocation {
     }
 
     /// u and u' (per P) at Gauss point i of interval j.
-    fn state(&self, orbit: &Orbit, j: usize, i: usize) -> (Vec<f64>, Vec<f64>) {
+    pub(super) fn state(&self, orbit: &Orbit, j: usize, i: usize) -> (Vec<f64>, Vec<f64>) {
         let (n, m) = (orbit.dim, self.scheme.degree);
         let rate = 1.0 / ((self.mesh[j + 1] - self.mesh[j]) * orbit.part);
         let (mut u, mut v) = (vec![0.0; n], vec![0.0; n]);
@@ -148,6 +148,17 @@ impl Collocation {
             }
         }
         (u, v)
+    }
+
+    /// `G(u, u', p)` at all collocation points of an orbit, which need not close.
+    pub(super) fn equations(&self, orbit: &Orbit, p: &[f64], r: &mut [f64]) {
+        let n = self.n();
+        r.par_chunks_mut(self.scheme.degree * n).enumerate().for_each(|(j, rows)| {
+            for (i, row) in rows.chunks_mut(n).enumerate() {
+                let (u, v) = self.state(orbit, j, i);
+                self.frame.problem.residual(At { u: &u, v: &v, p }, row);
+            }
+        });
     }
 
     /// The equations of interval j, linearised, with its inner nodes eliminated.
@@ -184,6 +195,13 @@ impl Collocation {
         }
         Elimination::new(inside, right, n)
     }
+
+    /// All intervals at an orbit, which need not close, linearised and condensed.
+    pub(super) fn condensed(&self, orbit: &Orbit, p: &[f64]) -> Result<Condensed, Singular> {
+        let eliminations: Result<Vec<_>, _> =
+            (0..self.intervals()).into_par_iter().map(|j| self.eliminate(orbit, p, j)).collect();
+        Condensed::new(eliminations?, self.n())
+    }
 }
 
 impl System for Collocation {
@@ -191,24 +209,15 @@ impl System for Collocation {
 
     fn residual(&self, x: &[f64], lambda: f64, r: &mut [f64]) {
         let (n, m) = (self.n(), self.scheme.degree);
-        let orbit = self.orbit(x);
-        let p = self.parameters(lambda);
         let (equations, phase) = r.split_at_mut(self.intervals() * m * n);
-        equations.par_chunks_mut(m * n).enumerate().for_each(|(j, rows)| {
-            for (i, row) in rows.chunks_mut(n).enumerate() {
-                let (u, v) = self.state(&orbit, j, i);
-                self.frame.problem.residual(At { u: &u, v: &v, p: &p }, row);
-            }
-        });
+        self.equations(&self.orbit(x), &self.parameters(lambda), equations);
         phase[0] = crate::linalg::dot(&self.phase, &x[..x.len() - 1]);
     }
 
     fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<OrbitFactors, Singular> {
         let orbit = self.orbit(x);
         let p = self.parameters(lambda);
-        let eliminations: Result<Vec<_>, _> =
-            (0..self.intervals()).into_par_iter().map(|j| self.eliminate(&orbit, &p, j)).collect();
-        let condensed = Condensed::new(eliminations?, self.n())?;
+        let condensed = self.condensed(&orbit, &p)?;
         OrbitFactors::new(condensed, &self.phase, border, &self.frame)
     }
 
@@ -282,6 +291,21 @@ impl OrbitFactors {
     /// Floquet multipliers over the whole period.
     pub fn multipliers(&self) -> Result<Multipliers, Singular> {
         multipliers(self.condensed.transition(), &self.symmetry, self.parts)
+    }
+
+    /// Sign of the determinant of what is left after elimination, `[C + D S, E; phase; border]`.
+    pub fn sign(&self) -> f64 {
+        self.ends.sign()
+    }
+
+    /// u(t + P) = S u(t).
+    pub fn symmetry(&self) -> &Reflection {
+        &self.symmetry
+    }
+
+    /// Floquet multipliers over the computed part of the period.
+    pub fn part_multipliers(&self) -> Result<Multipliers, Singular> {
+        multipliers(self.condensed.transition(), &self.symmetry, 1)
     }
 
     /// The condensed rows `[C D E]` that multipliers come from.

@@ -1,5 +1,6 @@
 //! Periodic orbits of `G(u, u', p) = 0` by collocation at Gauss points.
 
+pub mod bifurcations;
 mod collocation;
 mod condensation;
 mod floquet;

@@ -1,0 +1,123 @@
+//! Test functions along a branch of cycles: what changes sign where something bifurcates.
+//!
+//! ```text
+//! fold     the tangent's entry for lambda,
+//! branch   det [H_x, H_lambda; tangent], which a fold does not change,
+//! flip     prod (nu_i + 1),
+//! torus    prod over pairs (nu_i nu_j - 1): at a torus bifurcation a complex pair, at a neutral saddle a real one.
+//! ```
+//!
+//! nu are the multipliers over the computed part of the period without the trivial one. Products are formed by their
+//! signs and their smallest factor, so that nothing over- or underflows.
+
+use crate::continuation::Point;
+use crate::linalg::{Lu, Singular, c64};
+use crate::orbit::OrbitFactors;
+use faer::Mat;
+
+/// What happens to a cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    Fold,
+    Branch,
+    Flip,
+    Torus,
+}
+
+/// The test functions at one point of a branch.
+#[derive(Clone, Debug)]
+pub struct Signs {
+    pub fold: f64,
+    pub branch: f64,
+    pub flip: f64,
+    pub torus: f64,
+    /// Multipliers over the computed part, the trivial one left out.
+    pub nu: Vec<c64>,
+}
+
+impl Signs {
+    /// Factors are those at the point, bordered by a tangent that it does not turn from by more than a right angle.
+    pub fn new(point: &Point, factors: &OrbitFactors) -> Result<Self, Singular> {
+        let nu = factors.part_multipliers()?.values;
+        let (flip, torus) = (flip(&nu), torus(&nu).0);
+        Ok(Self { fold: point.tangent_lambda, branch: branch(factors, &nu)?, flip, torus, nu })
+    }
+
+    pub fn value(&self, event: Event) -> f64 {
+        match event {
+            Event::Fold => self.fold,
+            Event::Branch => self.branch,
+            Event::Flip => self.flip,
+            Event::Torus => self.torus,
+        }
+    }
+
+    /// What happens between two points; the multipliers at both ends tell neutral saddles from tori only near them.
+    pub fn events(&self, to: &Self) -> Vec<Event> {
+        let all = [Event::Fold, Event::Branch, Event::Flip, Event::Torus];
+        all.into_iter().filter(|&event| self.value(event) * to.value(event) < 0.0).collect()
+    }
+
+    /// The complex pair nearest to the unit circle, if that is what comes nearest to a product of one.
+    pub fn pair(&self) -> Option<c64> {
+        let (i, j) = torus(&self.nu).1?;
+        let (a, b) = (self.nu[i], self.nu[j]);
+        (a.im != 0.0 && a == b.conj()).then(|| if a.im > 0.0 { a } else { b })
+    }
+}
+
+/// The sign of det [H_x, H_lambda; tangent]. Elimination changes it by the sign of its pivots, and that of
+/// `det(C + kappa D S)` likewise; the latter is constant along a branch for kappa < 0 beyond all multipliers.
+fn branch(factors: &OrbitFactors, nu: &[c64]) -> Result<f64, Singular> {
+    let (rows, symmetry) = (factors.transition(), factors.symmetry());
+    let n = rows.nrows();
+    let kappa = -4.0 * nu.iter().fold(1.0, |most: f64, nu| most.max(nu.norm()));
+    let mut far = Mat::from_fn(n, n, |i, j| rows[(i, j)]);
+    for i in 0..n {
+        for j in 0..n {
+            far[(i, symmetry.source[j])] += kappa * rows[(i, n + j)] * symmetry.sign[j];
+        }
+    }
+    Ok(factors.sign() * Lu::new(far.as_ref())?.sign())
+}
+
+fn flip(nu: &[c64]) -> f64 {
+    let one = c64::new(1.0, 0.0);
+    let least = nu.iter().map(|nu| (nu + one).norm()).fold(f64::INFINITY, f64::min);
+    let below = nu.iter().filter(|nu| nu.im == 0.0 && nu.re < -1.0).count();
+    if below % 2 == 0 { least } else { -least }
+}
+
+/// The product's sign times its smallest factor, and the pair that this belongs to.
+fn torus(nu: &[c64]) -> (f64, Option<(usize, usize)>) {
+    let (mut sign, mut least, mut pair) = (1.0, f64::INFINITY, None);
+    for i in 0..nu.len() {
+        for j in i + 1..nu.len() {
+            let factor = nu[i] * nu[j] - 1.0;
+            let conjugate = nu[i].im != 0.0 && nu[i] == nu[j].conj();
+            if (conjugate || (nu[i].im == 0.0 && nu[j].im == 0.0)) && factor.re < 0.0 {
+                sign = -sign;
+            }
+            if factor.norm() < least {
+                (least, pair) = (factor.norm(), Some((i, j)));
+            }
+        }
+    }
+    (sign * least, pair)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pair_that_turns_real_changes_no_sign() {
+        let z = |re: f64, im: f64| c64::new(re, im);
+        let inside = torus(&[z(0.8, 0.5), z(0.8, -0.5), z(0.1, 0.0)]).0;
+        let real = torus(&[z(0.9, 0.0), z(0.95, 0.0), z(0.1, 0.0)]).0;
+        let outside = torus(&[z(0.8, 0.7), z(0.8, -0.7), z(0.1, 0.0)]).0;
+        assert!(inside * real > 0.0 && inside * outside < 0.0);
+        assert!(flip(&[z(-0.9, 0.0), z(0.3, 0.2)]) * flip(&[z(-1.1, 0.0), z(0.3, 0.2)]) < 0.0);
+        assert!(flip(&[z(-1.2, 0.1), z(-1.2, -0.1)]) * flip(&[z(-1.3, 0.0), z(-1.1, 0.0)]) > 0.0);
+    }
+}
