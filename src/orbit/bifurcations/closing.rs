@@ -104,6 +104,10 @@ impl Closed {
         Ok(Self { lu: Lu::new(a.as_ref())?, closing })
     }
 
+    pub fn column(&self) -> Option<Vec<f64>> {
+        self.closing.column.clone()
+    }
+
     /// For right-hand sides of all components.
     pub fn solve(&self, linear: &Linear, right: &[Right]) -> Solution {
         let (n, d) = (linear.n(), right.len());

@@ -113,6 +113,15 @@ impl Place {
         self.closed.as_ref().map_or(&self.base, |(closed, _)| closed).solve(&self.linear, &right)
     }
 
+    /// The critical system at kappa as a complex number: real and imaginary part as components.
+    pub fn complex(&self) -> Result<Closed, Singular> {
+        let kappa = self.kappa();
+        let column = self.closed.as_ref().and_then(|(closed, _)| closed.column());
+        let closing =
+            Closing { kappa: Closing::rotation(kappa.re, kappa.im), scalars: 0, column, rows: vec![(CRITICAL, [0.0; 2])] };
+        Closed::new(&self.linear, closing)
+    }
+
     /// The critical functions at all nodes.
     pub fn null_nodes(&self) -> &[Vec<f64>] {
         self.closed.as_ref().map_or(&self.kernel.nodes, |(_, solution)| &solution.nodes)
