@@ -36,7 +36,8 @@ use crate::problem::Direction;
 pub struct CycleNormalForm {
     /// b, c or d.
     pub coefficient: c64,
-    /// Vanishes with the coefficient, and is regular where `bottom` vanishes. Real but for tori.
+    /// Vanishes with the coefficient, and is regular where `bottom` vanishes. Real but for tori; continuous as long as
+    /// borders stay.
     pub top: c64,
     /// `g(G_v v)`: zero where the critical multiplier is double.
     pub bottom: c64,
@@ -73,12 +74,14 @@ fn scaled(x: &[f64], factor: f64) -> Vec<f64> {
 
 fn fold(place: &Place) -> Result<CycleNormalForm, Singular> {
     let kernel = place.kernel();
-    let size = root_mean_square(place, &[&kernel.nodes[0]]).copysign(kernel.z[0]);
+    let size = root_mean_square(place, &[&kernel.nodes[0]]);
     let v = place.linear.field(&scaled(&kernel.nodes[0], 1.0 / size), kernel.z[0] / size, Vec::new());
     let top = scaled(&place.linear.second(&v, &v), 0.5);
     let bottom = place.linear.mass(&v.u);
     let g = |r: &[f64]| place.singular(&[r]).g[0];
-    Ok(real(g(&top), g(&bottom)))
+    let mut form = real(g(&top), g(&bottom));
+    form.coefficient *= 1.0_f64.copysign(kernel.z[0]);
+    Ok(form)
 }
 
 /// The variation (w, P') of the orbit itself with `L w + E_P P' = -r`, exactly: without the border.

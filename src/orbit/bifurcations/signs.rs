@@ -81,7 +81,7 @@ fn branch(factors: &OrbitFactors, nu: &[c64]) -> Result<f64, Singular> {
     Ok(factors.sign() * Lu::new(far.as_ref())?.sign())
 }
 
-fn flip(nu: &[c64]) -> f64 {
+pub(super) fn flip(nu: &[c64]) -> f64 {
     let one = c64::new(1.0, 0.0);
     let least = nu.iter().map(|nu| (nu + one).norm()).fold(f64::INFINITY, f64::min);
     let below = nu.iter().filter(|nu| nu.im == 0.0 && nu.re < -1.0).count();
@@ -89,7 +89,7 @@ fn flip(nu: &[c64]) -> f64 {
 }
 
 /// The product's sign times its smallest factor, and the pair that this belongs to.
-fn torus(nu: &[c64]) -> (f64, Option<(usize, usize)>) {
+pub(super) fn torus(nu: &[c64]) -> (f64, Option<(usize, usize)>) {
     let (mut sign, mut least, mut pair) = (1.0, f64::INFINITY, None);
     for i in 0..nu.len() {
         for j in i + 1..nu.len() {
