@@ -30,7 +30,6 @@ fn special(kind: Critical, second: usize, upward: bool, (low, high): (f64, f64))
         for &test in CycleSegment::tests(kind) {
             if let Some(point) = segment.locate(test, &mut counts).expect("a search") {
                 let [mu, z]: [f64; 2] = segment.curve.coordinates(&point);
-                println!("{kind:?} {test:?} {mu:e} {z}");
                 found.push((test, mu, z));
             }
         }

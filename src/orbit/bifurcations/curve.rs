@@ -102,6 +102,10 @@ impl CycleCurve {
         CycleNormalForm::new(&self.cycle, &Self::unknowns(point))
     }
 
+    fn fold(&self, point: &Point) -> Result<f64, Singular> {
+        self.place(&point.x, point.lambda)?.fold(&self.multipliers(point)?)
+    }
+
     /// Multipliers over the computed part, the trivial one left out.
     pub fn multipliers(&self, point: &Point) -> Result<Vec<c64>, Singular> {
         let place = self.place(&point.x, point.lambda)?;
@@ -231,7 +235,7 @@ impl CycleSegment {
             CycleTest::Degenerate => form(|form| form.top.re),
             CycleTest::Double => form(|form| form.bottom.re),
             CycleTest::Cosine(goal) => self.curve.cosine(point).map_or(f64::NAN, |c| c - goal),
-            CycleTest::Fold => self.curve.place(&point.x, point.lambda).map_or(f64::NAN, |place| place.fold()),
+            CycleTest::Fold => self.curve.fold(point).unwrap_or(f64::NAN),
             CycleTest::Flip => self.curve.multipliers(point).map_or(f64::NAN, |nu| flip(&nu)),
             CycleTest::Torus => self.curve.multipliers(point).map_or(f64::NAN, |nu| torus(&nu).0),
         }

@@ -13,8 +13,9 @@
 
 use super::closing::{Closed, Closing, Right, Solution};
 use super::linear::{Field, Linear};
+use super::signs::pivots;
 use super::{Borders, Critical};
-use crate::linalg::{Singular, c64};
+use crate::linalg::{Lu, Singular, c64};
 use crate::orbit::{Collocation, Orbit};
 use faer::Mat;
 
@@ -87,9 +88,22 @@ impl Place {
         self.closed.as_ref().map_or(&self.kernel.g, |(_, solution)| &solution.g)
     }
 
-    /// Zero where variations of the orbit are singular: at folds and branch points.
-    pub fn fold(&self) -> f64 {
-        self.kernel.g[0]
+    /// A function that changes sign where variations of the orbit are singular, at folds and branch points: the sign of
+    /// their determinant times the distance of the multiplier nearest to 1 from it; nu are those but the trivial one.
+    pub fn fold(&self, nu: &[c64]) -> Result<f64, Singular> {
+        let (n, rows) = (self.linear.n(), self.linear.condensed.transition());
+        let (symmetry, phase) = (self.linear.symmetry(), &self.linear.reaches[PHASE]);
+        let mut whole = Mat::zeros(n + 1, n + 1);
+        for i in 0..=n {
+            let entry = |k: usize| if i < n { rows[(i, k)] } else if k < n { phase.a[k] } else { phase.b[k - n] };
+            for k in 0..n {
+                whole[(i, k)] += entry(k);
+                whole[(i, symmetry.source[k])] += entry(n + k) * symmetry.sign[k];
+            }
+            whole[(i, n)] = if i < n { rows[(i, 2 * n)] } else { phase.z[0] };
+        }
+        let nearest = nu.iter().map(|nu| (nu - 1.0).norm()).fold(f64::INFINITY, f64::min);
+        Ok(Lu::new(whole.as_ref())?.sign() * pivots(rows, symmetry, nu)? * nearest)
     }
 
     /// The base system's solution (w, P').

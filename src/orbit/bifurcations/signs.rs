@@ -13,7 +13,8 @@
 use crate::continuation::Point;
 use crate::linalg::{Lu, Singular, c64};
 use crate::orbit::OrbitFactors;
-use faer::Mat;
+use crate::problem::Reflection;
+use faer::{Mat, MatRef};
 
 /// What happens to a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,10 +67,14 @@ impl Signs {
     }
 }
 
-/// The sign of det [H_x, H_lambda; tangent]. Elimination changes it by the sign of its pivots, and that of
-/// `det(C + kappa D S)` likewise; the latter is constant along a branch for kappa < 0 beyond all multipliers.
+/// The sign of det [H_x, H_lambda; tangent].
 fn branch(factors: &OrbitFactors, nu: &[c64]) -> Result<f64, Singular> {
-    let (rows, symmetry) = (factors.transition(), factors.symmetry());
+    Ok(factors.sign() * pivots(factors.transition(), factors.symmetry(), nu)?)
+}
+
+/// Elimination changes the sign of a determinant by that of its pivots, and that of `det(C + kappa D S)` likewise: the
+/// latter, for kappa < 0 beyond all multipliers, is otherwise constant along a branch.
+pub(super) fn pivots(rows: MatRef<'_, f64>, symmetry: &Reflection, nu: &[c64]) -> Result<f64, Singular> {
     let n = rows.nrows();
     let kappa = -4.0 * nu.iter().fold(1.0, |most: f64, nu| most.max(nu.norm()));
     let mut far = Mat::from_fn(n, n, |i, j| rows[(i, j)]);
@@ -78,7 +83,7 @@ fn branch(factors: &OrbitFactors, nu: &[c64]) -> Result<f64, Singular> {
             far[(i, symmetry.source[j])] += kappa * rows[(i, n + j)] * symmetry.sign[j];
         }
     }
-    Ok(factors.sign() * Lu::new(far.as_ref())?.sign())
+    Ok(Lu::new(far.as_ref())?.sign())
 }
 
 pub(super) fn flip(nu: &[c64]) -> f64 {
