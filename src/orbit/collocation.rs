@@ -164,7 +164,8 @@ impl Collocation {
             let (u, v) = self.state(orbit, j, i);
             let at = At { u: &u, v: &v, p };
             self.frame.problem.linearise(at, &mut gu, &mut gv);
-            let (gu, gv) = (gu.dense(), gv.dense());
+            let (gu, gv) = (gu.clone().into_dense(), gv.clone().into_dense());
+            let (gu, gv) = (gu.as_ref(), gv.as_ref());
             self.frame.problem.derivative(at, &[Direction { u: &[], v: &[], p: &unit }], &mut by_lambda);
             for l in 0..=m {
                 let (a, d) = (self.scheme.value[i][l], self.scheme.slope[i][l] * rate);

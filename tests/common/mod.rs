@@ -40,8 +40,7 @@ pub fn close_complex(what: &str, a: c64, b: c64, tolerance: f64) {
 
 /// `G_u` and `G_v`.
 pub fn matrices(problem: &dyn Problem, at: At) -> (Mat<f64>, Mat<f64>) {
-    let (gu, gv) = problem.linearised(at);
-    (gu.dense().to_owned(), gv.dense().to_owned())
+    problem.linearised(at)
 }
 
 /// Eigenvalues and vectors at an equilibrium (not checked to be one).
