@@ -38,8 +38,12 @@ pub struct Frame {
 pub struct Collocation {
     pub frame: Frame,
     pub scheme: Scheme,
+    /// The error that the mesh is to have, relative to the orbit's size; None: the number of intervals is kept.
+    pub tolerance: Option<f64>,
     points: Points,
     pub mesh: Vec<f64>,
+    /// The orbit that the phase condition refers to.
+    reference: Orbit,
     /// `int <., u_ref'> dtau` as a row over all nodes but the last.
     phase: Vec<f64>,
     /// Weight of each node in the metric, the last node's carried by the first.
@@ -52,13 +56,20 @@ impl Collocation {
         let mut system = Self {
             frame,
             scheme: orbit.scheme(),
+            tolerance: None,
             points: orbit.points,
             mesh: Vec::new(),
+            reference: orbit.clone(),
             phase: Vec::new(),
             weights: Vec::new(),
         };
         system.refer_to(orbit);
         system
+    }
+
+    /// The orbit that the phase condition refers to: a system made from it is this one.
+    pub fn reference(&self) -> &Orbit {
+        &self.reference
     }
 
     fn n(&self) -> usize {
@@ -106,6 +117,7 @@ impl Collocation {
     fn refer_to(&mut self, orbit: &Orbit) {
         let (n, m) = (orbit.dim, self.scheme.degree);
         self.mesh = orbit.mesh.clone();
+        self.reference = orbit.clone();
         let nodes = self.intervals() * m;
         self.phase = vec![0.0; (nodes + 1) * n];
         self.weights = vec![0.0; nodes];
@@ -216,7 +228,7 @@ impl System for Collocation {
     /// Moves the mesh where the error is spread too unevenly, and takes the point as phase reference.
     fn prepare(&mut self, point: &mut Point) -> bool {
         let orbit = self.orbit(&point.x);
-        if let Some(mesh) = adapted(&orbit, &self.scheme, &self.frame.symmetry) {
+        if let Some(mesh) = adapted(&orbit, &self.scheme, &self.frame.symmetry, self.tolerance) {
             let moved = orbit.interpolated(&mesh, self.scheme.degree);
             let tangent = self.orbit(&point.tangent).interpolated(&mesh, self.scheme.degree);
             self.refer_to(&moved);

@@ -25,7 +25,7 @@ pub struct Brusselator {
 }
 
 impl Brusselator {
-    pub fn new(points: usize, banded: bool) -> Arc<dyn Problem> {
+    pub fn chain(points: usize, banded: bool) -> Arc<dyn Problem> {
         let structure = if banded { Structure::Banded { lower: 2, upper: 2 } } else { Structure::Dense };
         Arc::new(Automatic(Self { points, structure, parameters: vec![parameter("L", 0.4)] }))
     }
