@@ -101,7 +101,7 @@ fn equilibrium(problem: &dyn Problem, start: &[f64], p: &[f64]) -> Option<Vec<f6
         let (gu, _) = problem.linearised(at);
         let mut r = vec![0.0; u.len()];
         problem.residual(at, &mut r);
-        Lu::new(gu.dense()).ok()?.solve(&mut r);
+        Lu::new(gu.as_ref()).ok()?.solve(&mut r);
         if !finite(&r) {
             return None;
         }
@@ -118,7 +118,7 @@ fn leading_rate(problem: &dyn Problem, u: &[f64], p: &[f64], size: f64) -> Optio
     let rest = vec![0.0; u.len()];
     let (gu, gv) = problem.linearised(At { u, v: &rest, p });
     // Irrational in units of the rate, so that it is no eigenvalue itself.
-    let values = pencil(gu.dense(), gv.dense(), std::f64::consts::E * size, 0).ok()?;
+    let values = pencil(gu.as_ref(), gv.as_ref(), std::f64::consts::E * size, 0).ok()?;
     let least = |sign: f64| {
         let real = values.iter().map(|pair: &crate::linalg::Eigenpair| sign * c64::new(pair.value.re, 0.0).re);
         real.filter(|re| *re > 0.0).fold(f64::INFINITY, f64::min)
