@@ -9,7 +9,7 @@ mod lorenz;
 
 use hopfline::bifurcation::{Coordinate, Hopf, HopfNormalForm};
 use hopfline::continuation::{Border, Corrected, Counts, StepControl, Stop, Walk, correct};
-use hopfline::orbit::bifurcations::{Homoclinic, Located, Passage, Segment, Signs};
+use hopfline::orbit::bifurcations::{Event, Homoclinic, Located, Passage, Segment, Signs};
 use hopfline::orbit::{Collocation, Frame, Orbit, OrbitFactors, Points, from_hopf};
 use hopfline::problem::{Problem, Reflection};
 use std::sync::Arc;
@@ -65,7 +65,7 @@ impl Branch {
 
     /// Goes on until as many bifurcations are found, a homoclinic ends the branch, or it leaves the range.
     pub fn follow(mut self, (low, high): (f64, f64), wanted: usize) -> Followed {
-        let mut signs = Signs::new(&self.start.point, &self.start.factors).expect("signs");
+        let mut signs = Signs::new(&self.start.point, &self.start.factors, &Event::ALL).expect("signs");
         let width = self.system.frame.scale_lambda;
         let mut walk = Walk::new(&mut self.system, self.start.point, self.control, (low, high));
         let mut followed = Followed { found: Vec::new(), stop: None, homoclinic: None, counts: Counts::default() };
@@ -78,8 +78,8 @@ impl Branch {
                     break;
                 }
             };
-            let next = Signs::new(&step.to, &step.factors).expect("signs");
-            for event in signs.events(&next) {
+            let next = Signs::new(&step.to, &step.factors, &Event::ALL).expect("signs");
+            for event in signs.events(&next, &Event::ALL) {
                 let segment =
                     Segment { system: &*walk.system, from: &step.from, to: &step.to, signs: [&signs, &next], width };
                 let located = segment.locate(event, &mut followed.counts).expect("a search");

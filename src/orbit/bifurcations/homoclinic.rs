@@ -14,9 +14,10 @@ use crate::continuation::Point;
 use crate::linalg::{Lu, c64, dot, finite, pencil};
 use crate::orbit::{Collocation, Orbit};
 use crate::problem::{At, Problem};
+use serde::{Deserialize, Serialize};
 
 /// What a point of the branch says.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Passage {
     pub lambda: f64,
     pub period: f64,

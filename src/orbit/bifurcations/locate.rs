@@ -7,7 +7,7 @@
 use super::{BranchPoint, Critical, CriticalCycle, Event, Signs};
 use crate::bifurcation::Coordinate;
 use crate::continuation::{Corrected, Counts, Failure, Point, System, at_fraction, inner};
-use crate::linalg::{Singular, c64};
+use crate::linalg::Singular;
 use crate::orbit::{Collocation, Orbit, OrbitFactors};
 
 /// Rounds of bracketing, each followed by an attempt to converge.
@@ -48,23 +48,23 @@ struct Bracket {
     /// The point with the smallest value so far.
     best: Point,
     least: f64,
-    pair: Option<c64>,
+    pair: Option<(f64, f64)>,
 }
 
 impl Segment<'_> {
-    fn value(&self, event: Event, corrected: &Corrected<OrbitFactors>) -> Result<(f64, Option<c64>), Singular> {
+    fn value(&self, event: Event, corrected: &Corrected<OrbitFactors>) -> Result<(f64, Option<(f64, f64)>), Singular> {
         if event == Event::Fold {
             return Ok((corrected.point.tangent_lambda, None));
         }
-        let signs = Signs::new(&corrected.point, &corrected.factors)?;
-        Ok((signs.value(event), signs.pair()))
+        let signs = Signs::new(&corrected.point, &corrected.factors, &[event])?;
+        Ok((signs.value(event), signs.pair))
     }
 
     /// Where an event happens; None for a neutral saddle, or if nothing converges within the step.
     pub fn locate(&self, event: Event, counts: &mut Counts) -> Result<Option<Located>, Failure> {
         let [a, b] = self.signs.map(|signs| signs.value(event));
         let nearest = if a.abs() < b.abs() { (self.from, a, self.signs[0]) } else { (self.to, b, self.signs[1]) };
-        let (best, least, pair) = (nearest.0.clone(), nearest.1.abs(), nearest.2.pair());
+        let (best, least, pair) = (nearest.0.clone(), nearest.1.abs(), nearest.2.pair);
         let mut bracket = Bracket { low: (0.0, a), high: (1.0, b), best, least, pair };
         for _ in 0..ROUNDS {
             for _ in 0..STEPS {
@@ -128,7 +128,7 @@ impl Segment<'_> {
         };
         let (point, system) = (&bracket.best, self.system);
         let coordinate = Coordinate { index: system.frame.free, logarithmic: false, width: self.width };
-        let cosine = bracket.pair.map_or(0.0, |nu| nu.re / nu.norm());
+        let cosine = bracket.pair.map_or(0.0, |(re, im)| re / re.hypot(im));
         let (orbit, p): (Orbit, Vec<f64>) = (system.orbit(&point.x), system.parameters(point.lambda));
         let (cycle, x) = CriticalCycle::new(system, (&orbit, &p), (kind, cosine), &[coordinate])?;
         let x = cycle.solve(x, counts)?;

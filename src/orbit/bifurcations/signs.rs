@@ -8,13 +8,14 @@
 //! ```
 //!
 //! nu are the multipliers over the computed part of the period without the trivial one. Products are formed by their
-//! signs and their smallest factor, so that nothing over- or underflows.
+//! signs and their smallest factor, if that is below one, so that nothing over- or underflows.
 
 use crate::continuation::Point;
 use crate::linalg::{Lu, Singular, c64};
 use crate::orbit::OrbitFactors;
 use crate::problem::Reflection;
 use faer::{Mat, MatRef};
+use serde::{Deserialize, Serialize};
 
 /// What happens to a cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,23 +26,33 @@ pub enum Event {
     Torus,
 }
 
-/// The test functions at one point of a branch.
-#[derive(Clone, Debug)]
+/// The test functions at one point of a branch; zero where none is wanted that needs multipliers.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Signs {
     pub fold: f64,
     pub branch: f64,
     pub flip: f64,
     pub torus: f64,
-    /// Multipliers over the computed part, the trivial one left out.
-    pub nu: Vec<c64>,
+    /// Real and imaginary part of a complex pair, if that is what comes nearest to a product of one.
+    pub pair: Option<(f64, f64)>,
+}
+
+impl Event {
+    pub const ALL: [Event; 4] = [Event::Fold, Event::Branch, Event::Flip, Event::Torus];
 }
 
 impl Signs {
     /// Factors are those at the point, bordered by a tangent that it does not turn from by more than a right angle.
-    pub fn new(point: &Point, factors: &OrbitFactors) -> Result<Self, Singular> {
+    /// Folds alone need no multipliers.
+    pub fn new(point: &Point, factors: &OrbitFactors, wanted: &[Event]) -> Result<Self, Singular> {
+        if wanted.iter().all(|event| *event == Event::Fold) {
+            return Ok(Self { fold: point.tangent_lambda, ..Self::default() });
+        }
         let nu = factors.part_multipliers()?.values;
-        let (flip, torus) = (flip(&nu), torus(&nu).0);
-        Ok(Self { fold: point.tangent_lambda, branch: branch(factors, &nu)?, flip, torus, nu })
+        let (torus, nearest) = torus(&nu);
+        let pair = nearest.filter(|&(i, j)| nu[i].im != 0.0 && nu[i] == nu[j].conj());
+        let pair = pair.map(|(i, _)| (nu[i].re, nu[i].im.abs()));
+        Ok(Self { fold: point.tangent_lambda, branch: branch(factors, &nu)?, flip: flip(&nu), torus, pair })
     }
 
     pub fn value(&self, event: Event) -> f64 {
@@ -53,17 +64,9 @@ impl Signs {
         }
     }
 
-    /// What happens between two points; the multipliers at both ends tell neutral saddles from tori only near them.
-    pub fn events(&self, to: &Self) -> Vec<Event> {
-        let all = [Event::Fold, Event::Branch, Event::Flip, Event::Torus];
-        all.into_iter().filter(|&event| self.value(event) * to.value(event) < 0.0).collect()
-    }
-
-    /// The complex pair nearest to the unit circle, if that is what comes nearest to a product of one.
-    pub fn pair(&self) -> Option<c64> {
-        let (i, j) = torus(&self.nu).1?;
-        let (a, b) = (self.nu[i], self.nu[j]);
-        (a.im != 0.0 && a == b.conj()).then(|| if a.im > 0.0 { a } else { b })
+    /// Which of the wanted events lie between two points; of the last, some may turn out to be neutral saddles.
+    pub fn events(&self, to: &Self, wanted: &[Event]) -> Vec<Event> {
+        wanted.iter().copied().filter(|&event| self.value(event) * to.value(event) < 0.0).collect()
     }
 }
 
@@ -88,14 +91,14 @@ pub(super) fn pivots(rows: MatRef<'_, f64>, symmetry: &Reflection, nu: &[c64]) -
 
 pub(super) fn flip(nu: &[c64]) -> f64 {
     let one = c64::new(1.0, 0.0);
-    let least = nu.iter().map(|nu| (nu + one).norm()).fold(f64::INFINITY, f64::min);
+    let least = nu.iter().map(|nu| (nu + one).norm()).fold(1.0, f64::min);
     let below = nu.iter().filter(|nu| nu.im == 0.0 && nu.re < -1.0).count();
     if below % 2 == 0 { least } else { -least }
 }
 
 /// The product's sign times its smallest factor, and the pair that this belongs to.
 pub(super) fn torus(nu: &[c64]) -> (f64, Option<(usize, usize)>) {
-    let (mut sign, mut least, mut pair) = (1.0, f64::INFINITY, None);
+    let (mut sign, mut least, mut pair) = (1.0, 1.0, None);
     for i in 0..nu.len() {
         for j in i + 1..nu.len() {
             let factor = nu[i] * nu[j] - 1.0;

@@ -19,6 +19,8 @@ use crate::problem::Reflection;
 /// The start of a branch: its system, first point and factors there.
 pub struct Departure {
     pub system: Collocation,
+    /// The bifurcation itself, as a solution of this system.
+    pub origin: Point,
     pub corrected: Corrected<OrbitFactors>,
 }
 
@@ -88,7 +90,9 @@ impl Departure {
             let x = point.x.iter().zip(&point.tangent).map(|(x, t)| x + step * t).collect();
             match correct(&system, (x, point.lambda + step * point.tangent_lambda), &border, counts) {
                 // On the hyperplane, but nearer to the prediction than to the branch point.
-                Ok(corrected) if corrected.distance < distance => return Ok(Self { system, corrected }),
+                Ok(corrected) if corrected.distance < distance => {
+                    return Ok(Self { system, origin: point.clone(), corrected });
+                }
                 Ok(_) => last = Failure::Turned,
                 Err(failure) => last = failure,
             }
