@@ -63,12 +63,13 @@ pub fn find(
                 return Err(wrong(Wrong { offset: None, message }));
             }
         };
-        if defined.contains(name.as_str()) {
+        let known = found.names.contains(name);
+        if defined.contains(name.as_str()) && !known {
             let message = format!("{name} is defined by the equations; only unknowns have a start");
             return Err(wrong(Wrong { offset: None, message }));
         }
         // Without ranges, an entry for a known array speaks of its elements.
-        if found.names.contains(name) && start.ranges.is_empty() {
+        if known && start.ranges.is_empty() {
             continue;
         }
         for local in scope.whole().all(&start.ranges).map_err(wrong)? {
