@@ -4,6 +4,7 @@
 mod eigen;
 mod lu;
 mod matrix;
+pub mod periodic;
 mod rightmost;
 
 pub use eigen::{Eigenpair, pencil};
