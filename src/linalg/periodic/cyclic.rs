@@ -77,13 +77,7 @@ impl Cyclic {
 
     /// A reflector at a section, on what follows it and what is known of its basis: columns `k .. k + size` of factor
     /// `section`, down to row `bottom`.
-    pub fn turn(
-        &mut self,
-        section: usize,
-        reflector: Small,
-        (k, size): (usize, usize),
-        (lo, bottom): (usize, usize),
-    ) {
+    pub fn turn(&mut self, section: usize, reflector: Small, (k, size): (usize, usize), (lo, bottom): (usize, usize)) {
         let top = if self.q.is_some() { 0 } else { lo };
         reflector.right(&mut self.t[section], (k, size), top, bottom + 1);
         if let Some(q) = &mut self.q {

@@ -122,8 +122,9 @@ pub fn all(product: &dyn Product) -> Result<Vec<Eigenvalue>, PeriodicError> {
     Ok(values)
 }
 
+/// Leaves pairs together: both have the same modulus and real part, and the sort is stable.
 fn sort(values: &mut [Eigenvalue]) {
-    values.sort_by(|x, y| y.ln.total_cmp(&x.ln).then(y.direction.im.total_cmp(&x.direction.im)));
+    values.sort_by(|x, y| y.ln.total_cmp(&x.ln).then(y.direction.re.total_cmp(&x.direction.re)));
 }
 
 impl Cyclic {
@@ -135,10 +136,8 @@ impl Cyclic {
             _ => h.at(i, i) * h.at(i + 1, i + 1) - h.at(i, i + 1) * h.at(i + 1, i),
         };
         let diagonal = self.t[..self.last()].iter().flat_map(|t| (i..i + size).map(move |k| t.at(k, k)));
-        let (ln, sign) =
-            diagonal.fold((hessenberg.abs().ln(), hessenberg.signum()), |(ln, sign), x| {
-                (ln + x.abs().ln(), sign * x.signum())
-            });
+        let (ln, sign) = diagonal
+            .fold((hessenberg.abs().ln(), hessenberg.signum()), |(ln, sign), x| (ln + x.abs().ln(), sign * x.signum()));
         (ln + size as f64 * self.exponent(), sign)
     }
 
@@ -162,7 +161,11 @@ impl Cyclic {
             return pair.map(|direction| Eigenvalue { ln: ln / 2.0, direction }).to_vec();
         }
         // The smaller from the determinant, which is right where the trace has lost it.
-        let large = if first.re == 0.0 { ln / 2.0 } else { first.re.abs().ln() + corner.exponent as f64 * LN_2 + self.exponent() };
+        let large = if first.re == 0.0 {
+            ln / 2.0
+        } else {
+            first.re.abs().ln() + corner.exponent as f64 * LN_2 + self.exponent()
+        };
         let large = large.max(ln / 2.0);
         let small = if ln == f64::NEG_INFINITY { ln } else { ln - large };
         vec![real(large, first.re.signum()), real(small, sign * first.re.signum())]
