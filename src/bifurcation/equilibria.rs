@@ -29,7 +29,7 @@ impl Equilibria {
         let n = u.len();
         let (rest, p) = (vec![0.0; n], self.parameters(lambda));
         let (gu, gv) = self.problem.linearised(At { u, v: &rest, p: &p });
-        pencil(gu.dense(), gv.dense(), shift, vectors)
+        pencil(gu.as_ref(), gv.as_ref(), shift, vectors)
     }
 }
 
@@ -50,7 +50,7 @@ impl System for Equilibria {
         unit[self.coordinate.index] = self.coordinate.rate(lambda);
         let mut by_lambda = vec![0.0; n];
         self.problem.derivative(at, &[Direction { u: &[], v: &[], p: &unit }], &mut by_lambda);
-        Bordered::new(gu.dense(), &by_lambda, &border.row, border.lambda)
+        Bordered::new(gu.as_ref(), &by_lambda, &border.row, border.lambda)
     }
 
     fn dual(&self, t: &[f64]) -> Vec<f64> {

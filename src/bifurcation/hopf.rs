@@ -134,7 +134,7 @@ impl Frame {
         let rest = vec![0.0; n];
         let at = At { u: &hopf.u, v: &rest, p: &hopf.p };
         let (gu, gv) = problem.linearised(at);
-        let (gu, gv) = (gu.dense(), gv.dense());
+        let (gu, gv) = (gu.as_ref(), gv.as_ref());
         let lu = Lu::new(gu)?;
         let mut correction = vec![0.0; n];
         problem.residual(at, &mut correction);

@@ -38,7 +38,7 @@ impl HopfNormalForm {
         let rest = vec![0.0; n];
         let at = At { u: &hopf.u, v: &rest, p: &hopf.p };
         let (gu, gv) = problem.linearised(at);
-        let (gu, gv) = (gu.dense(), gv.dense());
+        let (gu, gv) = (gu.as_ref(), gv.as_ref());
         let q = Complex::new(&hopf.q, hopf.omega);
         let q_bar = q.conjugate();
 

@@ -1,38 +1,50 @@
 //! A square matrix in the form that its problem's structure allows.
 
-use faer::{Mat, MatMut, MatRef};
+use super::Banded;
+use faer::Mat;
 
-/// What is known of a Jacobian's pattern. Banded and sparse forms take their place here and in [`Matrix`].
+/// What is known of a Jacobian's pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Structure {
     #[default]
     Dense,
+    /// Entry (i, j) is zero unless `i - lower <= j <= i + upper`.
+    Banded { lower: usize, upper: usize },
 }
 
 /// A square matrix of that structure.
 #[derive(Clone, Debug)]
 pub enum Matrix {
     Dense(Mat<f64>),
+    Banded(Banded),
 }
 
 impl Matrix {
     pub fn zeros(structure: Structure, n: usize) -> Self {
         match structure {
             Structure::Dense => Matrix::Dense(Mat::zeros(n, n)),
+            Structure::Banded { lower, upper } => Matrix::Banded(Banded::zeros(n, lower, upper)),
         }
     }
 
-    /// All entries, row by column.
-    pub fn dense(&self) -> MatRef<'_, f64> {
+    /// All entries.
+    pub fn into_dense(self) -> Mat<f64> {
         match self {
-            Matrix::Dense(a) => a.as_ref(),
+            Matrix::Dense(a) => a,
+            Matrix::Banded(a) => Mat::from_fn(a.n(), a.n(), |i, j| a.get(i, j)),
         }
     }
 
-    /// All entries, to be filled in.
-    pub fn dense_mut(&mut self) -> MatMut<'_, f64> {
+    /// `y = A x`.
+    pub fn times(&self, x: &[f64], y: &mut [f64]) {
         match self {
-            Matrix::Dense(a) => a.as_mut(),
+            Matrix::Dense(a) => {
+                y.fill(0.0);
+                for (j, &x) in x.iter().enumerate() {
+                    y.iter_mut().zip(a.col_as_slice(j)).for_each(|(y, a)| *y += a * x);
+                }
+            }
+            Matrix::Banded(a) => a.times(x, y),
         }
     }
 }

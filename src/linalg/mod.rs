@@ -1,12 +1,14 @@
-//! Dense linear algebra on faer: factor once, solve often. Everything here runs on one thread; parallelism belongs
+//! Linear algebra, dense on faer and banded: factor once, solve often. Everything here runs on one thread; parallelism belongs
 //! to those who have several systems to solve.
 
+mod banded;
 mod eigen;
 mod lu;
 mod matrix;
 pub mod periodic;
 mod rightmost;
 
+pub use banded::{Banded, BandedLu};
 pub use eigen::{Eigenpair, pencil};
 pub use lu::{Bordered, Lu, Singular};
 pub use matrix::{Matrix, Structure};

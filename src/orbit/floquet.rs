@@ -75,7 +75,8 @@ pub struct Transitions(Vec<Transition>);
 
 struct Transition {
     c: Mat<f64>,
-    d: Lu<f64>,
+    /// None where D = -1: then C is the map.
+    d: Option<Lu<f64>>,
 }
 
 impl Transitions {
@@ -83,7 +84,9 @@ impl Transitions {
     pub fn new(intervals: &[MatRef<'_, f64>]) -> Result<Self, Singular> {
         let one = |rows: &MatRef<'_, f64>| {
             let n = rows.nrows();
-            Ok(Transition { c: rows.subcols(0, n).to_owned(), d: Lu::new(rows.subcols(n, n))? })
+            let (c, d) = (rows.subcols(0, n), rows.subcols(n, n));
+            let negated = (0..n).all(|j| (0..n).all(|i| d[(i, j)] == if i == j { -1.0 } else { 0.0 }));
+            Ok(Transition { c: c.to_owned(), d: if negated { None } else { Some(Lu::new(d)?) } })
         };
         Ok(Self(intervals.par_iter().map(one).collect::<Result<_, _>>()?))
     }
@@ -102,15 +105,23 @@ impl Product for Transitions {
         let Transition { c, d } = &self.0[j];
         let x = MatRef::from_column_major_slice(x, x.len(), 1);
         let rows = y.len();
-        matmul(MatMut::from_column_major_slice_mut(y, rows, 1), Accum::Replace, c.as_ref(), x, -1.0, Par::Seq);
-        d.solve(y);
+        let sign = if d.is_some() { -1.0 } else { 1.0 };
+        matmul(MatMut::from_column_major_slice_mut(y, rows, 1), Accum::Replace, c.as_ref(), x, sign, Par::Seq);
+        if let Some(d) = d {
+            d.solve(y);
+        }
     }
 
     fn matrix(&self, j: usize) -> Mat<f64> {
         let Transition { c, d } = &self.0[j];
-        let mut a = -c;
-        d.solve_many(a.as_mut());
-        a
+        match d {
+            Some(d) => {
+                let mut a = -c;
+                d.solve_many(a.as_mut());
+                a
+            }
+            None => c.clone(),
+        }
     }
 }
 

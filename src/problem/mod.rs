@@ -16,6 +16,7 @@ pub use automatic::{Automatic, Formula, Scalar, check_derivatives};
 pub use tied::{Tie, Tied};
 
 use crate::linalg::{Matrix, Structure};
+use faer::Mat;
 use std::sync::Arc;
 
 /// A parameter of a model.
@@ -154,12 +155,12 @@ pub trait Problem: Send + Sync {
     /// `gu = G_u`, `gv = G_v = M`; both `dim` by `dim` and of the problem's structure, overwritten.
     fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix);
 
-    /// Both, in matrices of their own.
-    fn linearised(&self, at: At) -> (Matrix, Matrix) {
+    /// Both as dense matrices, for what is done once at a point.
+    fn linearised(&self, at: At) -> (Mat<f64>, Mat<f64>) {
         let zeros = || Matrix::zeros(self.structure(), self.dim());
         let (mut gu, mut gv) = (zeros(), zeros());
         self.linearise(at, &mut gu, &mut gv);
-        (gu, gv)
+        (gu.into_dense(), gv.into_dense())
     }
 
     /// The derivative of G along one, two or three directions: `D^k G [d_1, ..., d_k]`, exact.

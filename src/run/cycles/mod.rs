@@ -117,7 +117,7 @@ impl Cycles<'_> {
             if keeping {
                 keeper.keep(Checkpoint {
                     branch: self.branch.clone(),
-                    orbit: walk.system.orbit(&walk.state.point.x),
+                    orbit: walk.system.reference().clone(),
                     walk: walk.state.clone(),
                     counts: *counts,
                     seconds: before + start.elapsed().as_secs_f64(),
