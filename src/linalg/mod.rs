@@ -5,6 +5,7 @@ mod banded;
 mod eigen;
 mod lu;
 mod matrix;
+pub mod periodic;
 mod rightmost;
 
 pub use banded::{Banded, BandedLu};

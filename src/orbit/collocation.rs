@@ -8,11 +8,11 @@
 //! ```
 
 use super::condensation::{Condensed, Forwarded, Interval, Reach};
-use super::{Multipliers, Orbit, Points, Scheme, adapted, multipliers};
+use super::{FloquetError, Multipliers, Orbit, Points, Scheme, Transitions, adapted, multipliers};
 use crate::continuation::{Border, Factored, Point, System};
 use crate::linalg::{Lu, Matrix, Singular};
 use crate::problem::{At, Direction, Problem, Reflection};
-use faer::{Mat, MatRef};
+use faer::Mat;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -286,14 +286,14 @@ impl OrbitFactors {
         Ok(Self { condensed, ends, symmetry: frame.symmetry.clone(), parts: frame.parts })
     }
 
-    /// Floquet multipliers over the whole period.
-    pub fn multipliers(&self) -> Result<Multipliers, Singular> {
-        multipliers(self.condensed.transition(), &self.symmetry, self.parts)
+    /// Floquet multipliers over the whole period: all, or the leading ones.
+    pub fn multipliers(&self, wanted: Option<usize>) -> Result<Multipliers, FloquetError> {
+        multipliers(&self.transitions()?, &self.symmetry, self.parts, wanted)
     }
 
-    /// The condensed rows `[C D E]` that multipliers come from.
-    pub fn transition(&self) -> MatRef<'_, f64> {
-        self.condensed.transition()
+    /// The intervals' transition maps along the computed part of the period.
+    pub fn transitions(&self) -> Result<Transitions, Singular> {
+        Transitions::new(&self.condensed.intervals())
     }
 }
 

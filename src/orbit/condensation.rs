@@ -278,6 +278,17 @@ impl Span {
         }
     }
 
+    /// Appends the remaining rows of the span's intervals in order.
+    fn intervals<'a>(&'a self, out: &mut Vec<MatRef<'a, f64>>) {
+        match self {
+            Span::Interval(elimination) => out.push(elimination.remaining()),
+            Span::Joined { left, right, .. } => {
+                left.intervals(out);
+                right.intervals(out);
+            }
+        }
+    }
+
     /// `row` covers the span's nodes, its last one excluded.
     fn add_border(&mut self, row: &[f64], n: usize) -> Reach {
         match self {
@@ -357,6 +368,13 @@ impl Condensed {
     /// `[C D E]`.
     pub fn transition(&self) -> MatRef<'_, f64> {
         self.root.remaining()
+    }
+
+    /// `[C D E]` of each interval in order.
+    pub fn intervals(&self) -> Vec<MatRef<'_, f64>> {
+        let mut out = Vec::new();
+        self.root.intervals(&mut out);
+        out
     }
 
     /// Condenses a border row over all nodes but the last.
