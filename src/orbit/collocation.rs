@@ -8,7 +8,7 @@
 //! ```
 
 use super::condensation::{Condensed, Forwarded, Interval, Reach};
-use super::{Multipliers, Orbit, Points, Scheme, adapted, multipliers};
+use super::{FloquetError, Multipliers, Orbit, Points, Scheme, Transitions, adapted, multipliers};
 use crate::continuation::{Border, Factored, Point, System};
 use crate::linalg::{Lu, Matrix, Singular};
 use crate::problem::{At, Direction, Problem, Reflection};
@@ -74,6 +74,11 @@ impl Collocation {
 
     fn n(&self) -> usize {
         self.frame.symmetry.sign.len()
+    }
+
+    /// Intervals that one thread takes at least: less work than some ten microseconds is not worth sharing.
+    fn grain(&self) -> usize {
+        (200_000 / (self.n() * self.scheme.degree).pow(3)).max(1)
     }
 
     fn intervals(&self) -> usize {
@@ -165,7 +170,8 @@ impl Collocation {
     /// `G(u, u', p)` at all collocation points of an orbit, which need not close.
     pub(super) fn equations(&self, orbit: &Orbit, p: &[f64], r: &mut [f64]) {
         let n = self.n();
-        r.par_chunks_mut(self.scheme.degree * n).enumerate().for_each(|(j, rows)| {
+        let rows = r.par_chunks_mut(self.scheme.degree * n).with_min_len(16 * self.grain());
+        rows.enumerate().for_each(|(j, rows)| {
             for (i, row) in rows.chunks_mut(n).enumerate() {
                 let (u, v) = self.state(orbit, j, i);
                 self.frame.problem.residual(At { u: &u, v: &v, p }, row);
@@ -199,8 +205,8 @@ impl Collocation {
 
     /// All intervals at an orbit, which need not close, linearised and condensed.
     pub(super) fn condensed(&self, orbit: &Orbit, p: &[f64]) -> Result<Condensed, Singular> {
-        let intervals: Result<Vec<_>, _> =
-            (0..self.intervals()).into_par_iter().map(|j| self.eliminate(orbit, p, j)).collect();
+        let all = (0..self.intervals()).into_par_iter().with_min_len(self.grain());
+        let intervals: Result<Vec<_>, _> = all.map(|j| self.eliminate(orbit, p, j)).collect();
         Condensed::new(intervals?, self.n())
     }
 }
@@ -289,9 +295,9 @@ impl OrbitFactors {
         Ok(Self { condensed, ends, symmetry: frame.symmetry.clone(), parts: frame.parts })
     }
 
-    /// Floquet multipliers over the whole period.
-    pub fn multipliers(&self) -> Result<Multipliers, Singular> {
-        multipliers(self.condensed.transition(), &self.symmetry, self.parts)
+    /// Floquet multipliers over the whole period: all, or the leading ones.
+    pub fn multipliers(&self, wanted: Option<usize>) -> Result<Multipliers, FloquetError> {
+        multipliers(&self.transitions()?, &self.symmetry, self.parts, wanted)
     }
 
     /// Sign of the determinant of what is left after elimination, `[C + D S, E; phase; border]`.
@@ -304,14 +310,19 @@ impl OrbitFactors {
         &self.symmetry
     }
 
-    /// Floquet multipliers over the computed part of the period.
-    pub fn part_multipliers(&self) -> Result<Multipliers, Singular> {
-        multipliers(self.condensed.transition(), &self.symmetry, 1)
+    /// Floquet multipliers over the computed part of the period: all.
+    pub fn part_multipliers(&self) -> Result<Multipliers, FloquetError> {
+        multipliers(&self.transitions()?, &self.symmetry, 1, None)
     }
 
-    /// The condensed rows `[C D E]` that multipliers come from.
+    /// The condensed rows `[C D E]` that couple the orbit's ends.
     pub fn transition(&self) -> MatRef<'_, f64> {
         self.condensed.transition()
+    }
+
+    /// The intervals' transition maps along the computed part of the period.
+    pub fn transitions(&self) -> Result<Transitions, Singular> {
+        Transitions::new(&self.condensed.intervals())
     }
 }
 

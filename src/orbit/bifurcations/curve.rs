@@ -9,7 +9,7 @@ use super::signs::{flip, torus};
 use crate::bifurcation::Coordinate;
 use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, at_lambda, correct, crossing, inner};
 use crate::linalg::{Singular, c64};
-use crate::orbit::{Collocation, Orbit, multipliers};
+use crate::orbit::{Collocation, Orbit, Transitions, multipliers};
 use std::sync::{Arc, Mutex};
 
 /// What was factored last: Newton's method asks for residual and factors at the same points.
@@ -109,8 +109,8 @@ impl CycleCurve {
     /// Multipliers over the computed part, the trivial one left out.
     pub fn multipliers(&self, point: &Point) -> Result<Vec<c64>, Singular> {
         let place = self.place(&point.x, point.lambda)?;
-        let rows = place.linear.condensed.transition();
-        Ok(multipliers(rows, place.linear.symmetry(), 1)?.values)
+        let transitions = Transitions::new(&place.linear.condensed.intervals())?;
+        Ok(multipliers(&transitions, place.linear.symmetry(), 1, None).map_err(|_| Singular)?.values)
     }
 }
 

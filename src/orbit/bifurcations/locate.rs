@@ -56,7 +56,7 @@ impl Segment<'_> {
         if event == Event::Fold {
             return Ok((corrected.point.tangent_lambda, None));
         }
-        let signs = Signs::new(&corrected.point, &corrected.factors, &[event])?;
+        let signs = Signs::new(&corrected.point, &corrected.factors, &[event]).map_err(|_| Singular)?;
         Ok((signs.value(event), signs.pair))
     }
 

@@ -12,7 +12,7 @@
 
 use crate::continuation::Point;
 use crate::linalg::{Lu, Singular, c64};
-use crate::orbit::OrbitFactors;
+use crate::orbit::{FloquetError, OrbitFactors};
 use crate::problem::Reflection;
 use faer::{Mat, MatRef};
 use serde::{Deserialize, Serialize};
@@ -44,7 +44,7 @@ impl Event {
 impl Signs {
     /// Factors are those at the point, bordered by a tangent that it does not turn from by more than a right angle.
     /// Folds alone need no multipliers.
-    pub fn new(point: &Point, factors: &OrbitFactors, wanted: &[Event]) -> Result<Self, Singular> {
+    pub fn new(point: &Point, factors: &OrbitFactors, wanted: &[Event]) -> Result<Self, FloquetError> {
         if wanted.iter().all(|event| *event == Event::Fold) {
             return Ok(Self { fold: point.tangent_lambda, ..Self::default() });
         }

@@ -227,8 +227,9 @@ impl Cycles<'_> {
         kind: Option<Kind>,
         special: Special,
     ) -> Pending {
-        let factors = factors.filter(|_| self.task.multipliers > 0);
-        Pending::new(system, point, factors.map(|factors| factors.transition().to_owned()), kind, special)
+        let wanted = self.task.multipliers;
+        let multipliers = factors.filter(|_| wanted > 0).and_then(|factors| factors.multipliers(Some(wanted)).ok());
+        Pending::new(system, point, multipliers, kind, special)
     }
 
     /// Notes an accepted point.
