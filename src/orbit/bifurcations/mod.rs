@@ -23,6 +23,7 @@ mod normal_form;
 mod place;
 mod signs;
 mod switch;
+mod vanishing;
 
 pub use borders::Borders;
 pub use branch_point::BranchPoint;
@@ -30,6 +31,7 @@ pub use closing::{Closed, Closing, Right, Solution};
 pub use critical::{Critical, CriticalCycle, CriticalFactors};
 pub use locate::{Located, Segment};
 pub use switch::Departure;
+pub use vanishing::vanishing;
 pub use curve::{CycleCurve, CycleSegment, CycleTest};
 pub use homoclinic::{Homoclinic, Passage};
 pub use linear::{Field, Linear};

@@ -14,7 +14,7 @@ use super::study::Prepared;
 use super::watch::{Watch, interrupted};
 use crate::branch::{Branch, Kind, SpecialPoint};
 use crate::continuation::{Counts, Failure, Point, Stop, Walk, at_lambda, crossing};
-use crate::orbit::bifurcations::{Event, Homoclinic, Passage, Segment, Signs};
+use crate::orbit::bifurcations::{Event, Homoclinic, Passage, Segment, Signs, vanishing};
 use crate::orbit::{Collocation, OrbitFactors};
 use crate::scene;
 use rows::Pending;
@@ -52,8 +52,8 @@ struct Cycles<'a> {
 /// Why a branch ended.
 enum End {
     Stop(Stop),
-    /// In a sentence.
-    Homoclinic(String),
+    /// At a homoclinic orbit or a Hopf point, in a sentence.
+    Recognised(String),
 }
 
 /// Rows made at once.
@@ -78,7 +78,7 @@ pub fn run(
         Ok(End::Stop(Stop::Interrupted)) => (Status::Interrupted, Stop::Interrupted.to_string()),
         Ok(End::Stop(stop @ Stop::Stagnation { .. })) => (Status::Failed, stop.to_string()),
         Ok(End::Stop(stop)) => (Status::Done, stop.to_string()),
-        Ok(End::Homoclinic(reason)) => (Status::Done, reason),
+        Ok(End::Recognised(reason)) => (Status::Done, reason),
         Err(failure) => (Status::Failed, failure.to_string()),
     };
     Outcome { branch: cycles.branch, status, reason, seconds: before + start.elapsed().as_secs_f64(), counts }
@@ -149,13 +149,23 @@ impl Cycles<'_> {
                 }
             };
             let lambda = step.to.lambda;
+            if let Some(hopf) = vanishing(&*walk.system, &step.from, &step.to) {
+                self.make_rows(counts);
+                if self.branch.rows.last().is_some_and(|row| row.label.is_none()) {
+                    self.name_last_row(&here, Kind::EP);
+                }
+                return Ok(End::Recognised(format!(
+                    "the cycles shrink to an equilibrium: a Hopf point near {} = {hopf:.6}",
+                    along.free
+                )));
+            }
             let mut between = self.user_values(&*walk.system, &step.from, &step.to, counts)?;
             let next = self.signs(&step.to, &step.factors, &wanted, counts);
             // At the first point nothing has been looked at yet: its signs come from the factors of the first step.
             if let (Some(a), Some(b)) = (self.signs_before(&signs, &*walk.system, &step.from, &wanted, counts), &next) {
                 let signs = [&a, b];
                 let segment = Segment { system: &*walk.system, from: &step.from, to: &step.to, signs, width };
-                between.extend(self.bifurcations(&segment, &wanted, counts)?);
+                between.extend(self.bifurcations(&segment, &wanted, counts));
             }
             signs = next;
             between.sort_by(|x, y| x.fraction.total_cmp(&y.fraction));
@@ -186,7 +196,7 @@ impl Cycles<'_> {
             watch.at((lambda - onset) / (goal - onset), format!("{} = {lambda:.6}", along.free));
             if let Some(end) = homoclinic {
                 self.make_rows(counts);
-                return Ok(End::Homoclinic(format!(
+                return Ok(End::Recognised(format!(
                     "the period grows without bound: a homoclinic orbit at {} = {} ± {:.0e}",
                     along.free, end.lambda, end.error
                 )));

@@ -3,7 +3,7 @@
 use super::super::equilibria::error;
 use super::Cycles;
 use crate::branch::Kind;
-use crate::continuation::{Counts, Failure, Point};
+use crate::continuation::{Counts, Point};
 use crate::linalg::c64;
 use crate::orbit::bifurcations::{BranchPoint, Critical, CriticalCycle, CycleNormalForm, Event, Located, Segment, Signs};
 use crate::orbit::{Collocation, Frame, Orbit};
@@ -44,16 +44,12 @@ impl Cycles<'_> {
     }
 
     /// All that happens in a step.
-    pub fn bifurcations(
-        &self,
-        segment: &Segment,
-        wanted: &[Event],
-        counts: &mut Counts,
-    ) -> Result<Vec<Between>, Failure> {
+    pub fn bifurcations(&self, segment: &Segment, wanted: &[Event], counts: &mut Counts) -> Vec<Between> {
         let [from, to] = segment.signs;
         let mut found = Vec::new();
         for event in from.events(to, wanted) {
-            let Some(located) = segment.locate(event, counts)? else { continue };
+            // A search that fails leaves a gap in what was found, not in the branch.
+            let Ok(Some(located)) = segment.locate(event, counts) else { continue };
             // Factors are for multipliers only; at a branch point they may be singular.
             let factors = located.corrected(segment, counts).ok().map(|corrected| corrected.factors.into());
             let special = self.describe(segment.system, &located, counts);
@@ -66,7 +62,7 @@ impl Cycles<'_> {
             };
             found.push(Between { fraction, point, factors, kind, special });
         }
-        Ok(found)
+        found
     }
 
     /// Normal form, angle, and errors from a finer discretisation on which the same point is solved for.
