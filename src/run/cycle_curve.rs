@@ -214,8 +214,8 @@ impl Tool<'_> {
                 }
             };
             let mut segment = CycleSegment { curve: walk.system.clone(), from: step.from, to: step.to };
-            let mut mark = (step.stop == Some(Stop::RangeEnd))
-                .then_some((Kind::EP, Some(CycleTest::Value(1, segment.to.lambda))));
+            let mut mark =
+                (step.stop == Some(Stop::RangeEnd)).then_some((Kind::EP, Some(CycleTest::Value(1, segment.to.lambda))));
             let mut stop = step.stop.map(|stop| stop.to_string());
             for (test, kind, reason) in self.endings(&segment, bounds) {
                 if let Some(point) = segment.locate(test, counts)? {

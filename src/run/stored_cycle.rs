@@ -70,8 +70,7 @@ impl StoredCycle {
     /// The orbit's frame with the task's free parameter, of which `extent` counts as one.
     pub fn frame(&self, prepared: &Prepared, extent: f64) -> Option<Frame> {
         let n = self.orbit.dim;
-        let symmetry =
-            if self.orbit.parts == 2 { prepared.problem.reflection()? } else { Reflection::identity(n) };
+        let symmetry = if self.orbit.parts == 2 { prepared.problem.reflection()? } else { Reflection::identity(n) };
         Some(Frame {
             problem: prepared.problem.clone(),
             p: self.p.clone(),

@@ -349,9 +349,7 @@ impl Study {
             | TaskKind::FoldCurve(_)
             | TaskKind::LpcCurve(_)
             | TaskKind::PdCurve(_)
-            | TaskKind::NsCurve(_) => {
-                along.others.iter().map(|axis| axis.name.clone()).collect()
-            }
+            | TaskKind::NsCurve(_) => along.others.iter().map(|axis| axis.name.clone()).collect(),
             TaskKind::Calibration(_) | TaskKind::Map(_) | TaskKind::HopfSurface(_) => Vec::new(),
         };
         for name in along.values.keys().filter(|name| **name != along.free) {

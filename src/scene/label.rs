@@ -4,8 +4,8 @@ use super::{Fault, Task, TaskKind};
 
 /// Kinds of points that a scene can refer to.
 pub const POINT_KINDS: [&str; 23] = [
-    "HB", "LP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP", "LPC", "PD", "NS", "BPC", "CPC", "GPD", "CH", "R1", "R2", "R3",
-    "R4", "LPPD", "LPNS", "PDNS",
+    "HB", "LP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP", "LPC", "PD", "NS", "BPC", "CPC", "GPD", "CH", "R1", "R2",
+    "R3", "R4", "LPPD", "LPNS", "PDNS",
 ];
 
 /// What curves of critical cycles find, by the kind of the task.

@@ -39,10 +39,8 @@ fn both_folds_of_cycles_have_the_known_place_and_period() {
         let a = 500.0 - (110.0 - s) / ALPHA;
         110.0 - s - rho * s * a / (1.0 + s + KAPPA * s * s)
     };
-    let roots: Vec<f64> = (0..11000)
-        .map(|i| 0.01 * f64::from(i))
-        .filter(|&s| along(s) * along(s + 0.01) < 0.0)
-        .collect();
+    let roots: Vec<f64> =
+        (0..11000).map(|i| 0.01 * f64::from(i)).filter(|&s| along(s) * along(s + 0.01) < 0.0).collect();
     let s = roots[0];
     let u = [s, 500.0 - (110.0 - s) / ALPHA];
     let hopf = hopf_of_pair(&problem, (&u, &[rho]), 0, 3.0, 0);

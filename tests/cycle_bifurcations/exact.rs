@@ -73,7 +73,8 @@ impl Formula for Exact {
                 s_rate = -s;
             }
         }
-        let rates = [rho_rate * cosine - y * turning, rho_rate * sine + x * turning, s_rate, square * q + feed - w + w * w];
+        let rates =
+            [rho_rate * cosine - y * turning, rho_rate * sine + x * turning, s_rate, square * q + feed - w + w * w];
         for i in 0..4 {
             g[i] = v[i] - rates[i];
         }
@@ -107,15 +108,14 @@ pub fn exact(kind: Critical, mass: bool, mu: f64) -> (Frame, Orbit) {
 
 #[test]
 fn normal_forms_are_exact_whatever_the_mass() {
-    for (kind, expected) in
-        [(Critical::Flip, C + M * Q), (Critical::Torus, 2.0 * (C + M * Q)), (Critical::Fold, C)]
-    {
+    for (kind, expected) in [(Critical::Flip, C + M * Q), (Critical::Torus, 2.0 * (C + M * Q)), (Critical::Fold, C)] {
         for mass in [false, true] {
             let (frame, orbit) = exact(kind, mass, 0.01);
             let system = Collocation::new(frame, &orbit);
             let cosine = (TAU * OMEGA + 0.01).cos();
             let (cycle, x) =
-                CriticalCycle::new(&system, (&orbit, &system.frame.p), (kind, cosine), &[coordinate(0, 1.0)]).expect("borders");
+                CriticalCycle::new(&system, (&orbit, &system.frame.p), (kind, cosine), &[coordinate(0, 1.0)])
+                    .expect("borders");
             let x = cycle.solve(x, &mut Counts::default()).expect("a critical cycle");
             near("mu", cycle.parameters(&x)[0], 0.0, 1e-10);
             close("T", cycle.orbit(&x).part, TAU, 1e-10);

@@ -119,4 +119,3 @@ pub fn fixed(frame: &Frame, orbit: &Orbit, lambda: f64) -> (Collocation, Correct
     let corrected = correct(&system, (x, lambda), &border, &mut Counts::default()).expect("an orbit");
     (system, corrected)
 }
-

@@ -59,8 +59,7 @@ struct Cross {
 
 impl Cross {
     fn new(system: &Collocation, (orbit, lambda): (Orbit, f64), rows: &Rows) -> Result<Self, Singular> {
-        let linear =
-            Linear::new(system, orbit, system.parameters(lambda), &[&rows.nodes[0], &rows.nodes[1]])?;
+        let linear = Linear::new(system, orbit, system.parameters(lambda), &[&rows.nodes[0], &rows.nodes[1]])?;
         let closing = Closing {
             kappa: Mat::identity(1, 1),
             scalars: 2,
@@ -101,8 +100,7 @@ impl BranchPoint {
         let any: Vec<f64> = (0..n).map(|i| 1.0 + (7 * i % 5) as f64).collect();
         let spread: Vec<f64> = any.iter().copied().cycle().take(equations).chain([0.0]).collect();
         let (first, second) = (row(&near.tangent, near.tangent_lambda), row(&spread, 0.0));
-        let mut rows =
-            Rows { column: unit(&any), nodes: [first.0, second.0], direct: [first.1, second.1] };
+        let mut rows = Rows { column: unit(&any), nodes: [first.0, second.0], direct: [first.1, second.1] };
         let (mut x, mut lambda, mut alpha) = (near.x.clone(), near.lambda, 0.0);
         for _ in 0..FOLLOWED {
             let cross = Cross::new(system, (system.orbit(&x), lambda), &rows)?;
@@ -128,8 +126,9 @@ impl BranchPoint {
             counts.newton += 1;
             let residual = cross.linear.residual();
             let phase = dot(&system.phase, &x[..equations]);
-            let particular =
-                cross.closed.solve(&cross.linear, &[Right { equations: &residual, rows: &[phase, 0.0, 0.0], end: &[] }]);
+            let particular = cross
+                .closed
+                .solve(&cross.linear, &[Right { equations: &residual, rows: &[phase, 0.0, 0.0], end: &[] }]);
             let along = cross.along(&field(&cross.linear, &particular, cross.free));
             let by = [0, 1].map(|j| cross.along(&cross.fields[j]));
             let small = faer::mat![[by[0][0], by[1][0]], [by[0][1], by[1][1]]];
@@ -183,16 +182,15 @@ impl BranchPoint {
                     tangent.iter_mut().zip(unknowns(q, equations)).for_each(|(t, q)| *t += s * q);
                     tangent_lambda += s * q.z[1];
                 }
-                let square = dot(&tangent, &system.dual(&tangent))
-                    + system.dual_lambda() * tangent_lambda * tangent_lambda;
+                let square =
+                    dot(&tangent, &system.dual(&tangent)) + system.dual_lambda() * tangent_lambda * tangent_lambda;
                 let size = square.sqrt();
                 tangent.iter_mut().for_each(|t| *t /= size);
                 tangents.push(Point { x: x.clone(), lambda, tangent, tangent_lambda: tangent_lambda / size });
             }
         }
         let dual = system.dual(&near.tangent);
-        let cosine =
-            |t: &Point| dot(&t.tangent, &dual) + system.dual_lambda() * t.tangent_lambda * near.tangent_lambda;
+        let cosine = |t: &Point| dot(&t.tangent, &dual) + system.dual_lambda() * t.tangent_lambda * near.tangent_lambda;
         tangents.sort_by(|s, t| cosine(t).abs().total_cmp(&cosine(s).abs()));
         let mut tangents = tangents.into_iter();
         let here = Point { x, lambda, ..near.clone() };

@@ -194,9 +194,8 @@ impl CriticalFactors {
         let cosine = usize::from(cycle.kind == Critical::Torus);
         let size = 1 + cosine + cycle.coordinates.len();
         let kernel = place.kernel();
-        let unknowns = |nodes: &[f64], part: f64| -> Vec<f64> {
-            nodes[..orbital - 1].iter().copied().chain([part]).collect()
-        };
+        let unknowns =
+            |nodes: &[f64], part: f64| -> Vec<f64> { nodes[..orbital - 1].iter().copied().chain([part]).collect() };
         let flat = unknowns(&kernel.nodes[0], kernel.z[0]);
         let mut small = Mat::zeros(size, size);
         let mut fill = |column: usize, mu: f64, along: Vec<f64>, flat: &[f64], own: &[f64]| {

@@ -4,8 +4,8 @@
 //! cusps and strong resonances: at cos(theta) = ±1 a torus curve goes on as one of neutral saddles. The mesh follows the
 //! orbit, and borders the null vectors, from step to step.
 
-use super::{Critical, CriticalCycle, CriticalFactors, CycleNormalForm, Place};
 use super::signs::{flip, torus};
+use super::{Critical, CriticalCycle, CriticalFactors, CycleNormalForm, Place};
 use crate::bifurcation::Coordinate;
 use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, at_lambda, correct, crossing, inner};
 use crate::linalg::{Singular, c64};
@@ -159,8 +159,7 @@ impl System for CycleCurve {
         if moved {
             point.x.splice(..orbital, inner_point.x);
             point.tangent.splice(..orbital, inner_point.tangent);
-            self.cycle.borders =
-                self.cycle.borders.interpolated(&before, &self.cycle.system.mesh, before.degree);
+            self.cycle.borders = self.cycle.borders.interpolated(&before, &self.cycle.system.mesh, before.degree);
         }
         self.cache = Cache::default();
         // Old borders serve where new ones cannot be had.
@@ -223,9 +222,8 @@ impl CycleSegment {
 
     /// The test's value at a point; not a number where it does not exist.
     pub fn value(&self, test: CycleTest, point: &Point) -> f64 {
-        let form = |part: fn(&CycleNormalForm) -> f64| {
-            self.curve.normal_form(point).map_or(f64::NAN, |form| part(&form))
-        };
+        let form =
+            |part: fn(&CycleNormalForm) -> f64| self.curve.normal_form(point).map_or(f64::NAN, |form| part(&form));
         match test {
             CycleTest::Value(k, goal) => self.curve.coordinates(point)[k] - goal,
             CycleTest::Degenerate if self.curve.cycle.kind == Critical::Torus => {

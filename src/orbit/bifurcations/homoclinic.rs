@@ -47,11 +47,7 @@ impl Passage {
     pub fn new(system: &Collocation, point: &Point) -> Self {
         let parts = system.frame.parts as f64;
         let part = |x: &[f64]| x[x.len() - 1] * parts;
-        Self {
-            lambda: point.lambda,
-            period: part(&point.x),
-            slope: point.tangent_lambda / part(&point.tangent),
-        }
+        Self { lambda: point.lambda, period: part(&point.x), slope: point.tangent_lambda / part(&point.tangent) }
     }
 }
 

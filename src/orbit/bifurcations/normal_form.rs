@@ -97,8 +97,7 @@ fn third(place: &Place, [a, b, c]: [&Field; 3]) -> Vec<f64> {
     let (n, problem) = (place.linear.n(), &place.linear.system.frame.problem);
     place.linear.at_points(|k, at, out| {
         let points = k * n..(k + 1) * n;
-        let directions =
-            [a, b, c].map(|f| Direction { u: &f.u[points.clone()], v: &f.v[points.clone()], p: &[] });
+        let directions = [a, b, c].map(|f| Direction { u: &f.u[points.clone()], v: &f.v[points.clone()], p: &[] });
         problem.derivative(at, &directions, out);
     })
 }

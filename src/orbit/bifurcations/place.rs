@@ -95,7 +95,15 @@ impl Place {
         let (symmetry, phase) = (self.linear.symmetry(), &self.linear.reaches[PHASE]);
         let mut whole = Mat::zeros(n + 1, n + 1);
         for i in 0..=n {
-            let entry = |k: usize| if i < n { rows[(i, k)] } else if k < n { phase.a[k] } else { phase.b[k - n] };
+            let entry = |k: usize| {
+                if i < n {
+                    rows[(i, k)]
+                } else if k < n {
+                    phase.a[k]
+                } else {
+                    phase.b[k - n]
+                }
+            };
             for k in 0..n {
                 whole[(i, k)] += entry(k);
                 whole[(i, symmetry.source[k])] += entry(n + k) * symmetry.sign[k];
@@ -131,8 +139,12 @@ impl Place {
     pub fn complex(&self) -> Result<Closed, Singular> {
         let kappa = self.kappa();
         let column = self.closed.as_ref().and_then(|(closed, _)| closed.column());
-        let closing =
-            Closing { kappa: Closing::rotation(kappa.re, kappa.im), scalars: 0, column, rows: vec![(CRITICAL, [0.0; 2])] };
+        let closing = Closing {
+            kappa: Closing::rotation(kappa.re, kappa.im),
+            scalars: 0,
+            column,
+            rows: vec![(CRITICAL, [0.0; 2])],
+        };
         Closed::new(&self.linear, closing)
     }
 
@@ -162,8 +174,7 @@ impl Place {
             (0..parts[0].len()).map(|i| other(i) + parts[0][i]).collect()
         };
         let right = joined(&solution.nodes.iter().collect::<Vec<_>>());
-        let left: Vec<Vec<f64>> =
-            (0..solution.g.len()).map(|i| closed.left(&self.linear, i).swap_remove(0)).collect();
+        let left: Vec<Vec<f64>> = (0..solution.g.len()).map(|i| closed.left(&self.linear, i).swap_remove(0)).collect();
         Some((right, joined(&left.iter().collect::<Vec<_>>())))
     }
 
@@ -173,8 +184,7 @@ impl Place {
             Some(direction) => self.null.iter().map(|w| negated(self.linear.second(w, direction))).collect(),
             None => vec![Vec::new(); self.null.len()],
         };
-        let mut right: Vec<Right> =
-            equations.iter().map(|equations| Right { equations, ..Right::default() }).collect();
+        let mut right: Vec<Right> = equations.iter().map(|equations| Right { equations, ..Right::default() }).collect();
         let mut end = vec![0.0; self.linear.n()];
         match &self.closed {
             None => self.base.solve(&self.linear, &right).g,

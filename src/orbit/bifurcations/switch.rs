@@ -44,11 +44,7 @@ pub fn doubled(orbit: &Orbit, v: &[f64], eps: f64, symmetry: &Reflection) -> Orb
 
 impl Departure {
     /// Onto the cycles that nu = -1 gives rise to, at a distance in arclength.
-    pub fn flip(
-        (cycle, x): (&CriticalCycle, &[f64]),
-        distance: f64,
-        counts: &mut Counts,
-    ) -> Result<Self, Failure> {
+    pub fn flip((cycle, x): (&CriticalCycle, &[f64]), distance: f64, counts: &mut Counts) -> Result<Self, Failure> {
         debug_assert_eq!(cycle.kind, Critical::Flip);
         let (orbit, p) = (cycle.orbit(x), cycle.parameters(x));
         let frame = &cycle.system.frame;

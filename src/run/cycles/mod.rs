@@ -14,9 +14,11 @@ use super::study::Prepared;
 use super::watch::{Watch, interrupted};
 use crate::branch::{Branch, Kind, SpecialPoint};
 use crate::continuation::{Counts, Failure, Point, Stop, Walk, at_lambda, crossing};
-use crate::orbit::bifurcations::{Event, Homoclinic, Passage, Segment, Signs, vanishing};
+use crate::orbit::bifurcations::{Amplitude, Event, Homoclinic, Passage, Segment, Signs};
 use crate::orbit::{Collocation, OrbitFactors};
+use crate::problem::{Problem, Reflection};
 use crate::scene;
+use origin::Origin;
 use rows::Pending;
 use special::{Between, Special};
 use std::time::Instant;
@@ -149,15 +151,12 @@ impl Cycles<'_> {
                 }
             };
             let lambda = step.to.lambda;
-            if let Some(hopf) = vanishing(&*walk.system, &step.from, &step.to) {
+            if let Some(reason) = self.vanished(&origin, &*walk.system, &step.from, &step.to) {
                 self.make_rows(counts);
                 if self.branch.rows.last().is_some_and(|row| row.label.is_none()) {
                     self.name_last_row(&here, Kind::EP);
                 }
-                return Ok(End::Recognised(format!(
-                    "the cycles shrink to an equilibrium: a Hopf point near {} = {hopf:.6}",
-                    along.free
-                )));
+                return Ok(End::Recognised(reason));
             }
             let mut between = self.user_values(&*walk.system, &step.from, &step.to, counts)?;
             let next = self.signs(&step.to, &step.factors, &wanted, counts);
@@ -208,6 +207,22 @@ impl Cycles<'_> {
         }
     }
 
+    /// Whether the cycles shrink, within a step, to an equilibrium or to cycles of the kind that they come from.
+    fn vanished(&self, origin: &Origin, system: &Collocation, from: &Point, to: &Point) -> Option<String> {
+        let name = &self.task.along.free;
+        if let Some(value) = Amplitude::Swing.vanishes(system, from, to) {
+            return Some(format!("the cycles shrink to an equilibrium: a Hopf point near {name} = {value:.6}"));
+        }
+        let Origin::Cycle { stored, flip: true } = origin else { return None };
+        let identity = Reflection::identity(stored.orbit.dim);
+        let (symmetry, what) = match stored.orbit.parts {
+            2 => (self.prepared.problem.reflection()?, "symmetric cycles"),
+            _ => (identity, "cycles of half the period"),
+        };
+        let value = Amplitude::Halves(&symmetry).vanishes(system, from, to)?;
+        Some(format!("the cycles become {what} near {name} = {value:.6}"))
+    }
+
     /// Test functions at the beginning of a step: those known from the end of the last one.
     fn signs_before(
         &self,
@@ -221,8 +236,7 @@ impl Cycles<'_> {
         if known.is_some() || wanted.is_empty() {
             return known.clone();
         }
-        let border =
-            Border { row: system.dual(&from.tangent), lambda: system.dual_lambda() * from.tangent_lambda };
+        let border = Border { row: system.dual(&from.tangent), lambda: system.dual_lambda() * from.tangent_lambda };
         counts.factorisations += 1;
         let factors = system.factor(&from.x, from.lambda, &border).ok()?;
         self.signs(from, &factors, wanted, counts)

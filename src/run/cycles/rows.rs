@@ -223,7 +223,13 @@ impl Cycles<'_> {
 }
 
 /// Period, frequency, and the largest and smallest value of each observable.
-pub fn measure(problem: &dyn Problem, observables: &[usize], orbit: &Orbit, symmetry: &Reflection, p: &[f64]) -> Vec<f64> {
+pub fn measure(
+    problem: &dyn Problem,
+    observables: &[usize],
+    orbit: &Orbit,
+    symmetry: &Reflection,
+    p: &[f64],
+) -> Vec<f64> {
     let mut values = vec![orbit.period(), 1.0 / orbit.period()];
     for &i in observables {
         let extremes = orbit.extremes(problem, i, p, symmetry);

@@ -5,7 +5,9 @@ use super::Cycles;
 use crate::branch::Kind;
 use crate::continuation::{Counts, Point};
 use crate::linalg::c64;
-use crate::orbit::bifurcations::{BranchPoint, Critical, CriticalCycle, CycleNormalForm, Event, Located, Segment, Signs};
+use crate::orbit::bifurcations::{
+    BranchPoint, Critical, CriticalCycle, CycleNormalForm, Event, Located, Segment, Signs,
+};
 use crate::orbit::{Collocation, Frame, Orbit};
 use crate::problem::{Problem, Reflection};
 
@@ -136,11 +138,8 @@ impl Cycles<'_> {
         }
         let (orbit, tangent) = (finer(&point.x), finer(&point.tangent));
         let fine = Collocation::new(frame, &orbit);
-        let near = Point {
-            x: Collocation::unknowns(&orbit),
-            tangent: Collocation::unknowns(&tangent),
-            ..point.clone()
-        };
+        let near =
+            Point { x: Collocation::unknowns(&orbit), tangent: Collocation::unknowns(&tangent), ..point.clone() };
         let found = BranchPoint::solve(&fine, &near, counts).ok()?;
         Some((fine, found.point))
     }
