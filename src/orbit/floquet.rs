@@ -1,10 +1,10 @@
 //! Floquet multipliers from the intervals' own transition maps, whose product is never formed.
 //!
 //! What the condensed rows of interval j say of perturbations, `C_j x_j + D_j x_{j+1} = 0`, is
-//! `x_{j+1} = A_j x_j` with `A_j = -D_j^-1 C_j`. With `u(t + P) = S u(t)` the multipliers over P are the eigenvalues nu of
-//! `S^-1 A_N .. A_2 A_1`. Where P is half the period, those over the period are `mu = nu²`: a perturbation of an orbit
-//! with `u(t + T/2) = S u(t)` keeps that symmetry where nu is near +1 (a fold) and breaks it where nu is near -1, though
-//! mu = 1 in both. A period doubling, mu = -1, would need nu = ±i, which one parameter does not bring about (Swift and
+//! `x_{j+1} = A_j x_j` with `A_j = -D_j^-1 C_j`. With `u(t + P) = S u(t)` the multipliers over P are the eigenvalues nu
+//! of `S^-1 A_N .. A_2 A_1`. Where P is half the period, those over the period are `mu = nu²`: a perturbation of an
+//! orbit with `u(t + T/2) = S u(t)` keeps that symmetry where nu is near +1 (a fold) and breaks it where nu is near -1,
+//! though mu = 1 in both. A period doubling, mu = -1, would need nu = ±i, which one parameter does not bring about (Swift and
 //! Wiesenfeld 1984, doi:10.1103/PhysRevLett.52.705).
 //!
 //! One multiplier over P is +1, the shift in time; its distance from 1 bounds from below how wrong the others are (on
@@ -173,8 +173,8 @@ impl Product for Turned<'_> {
 const INSIDE: f64 = 0.9;
 
 /// Multipliers from the transition maps along the computed part of the period, of which there are `parts` (1 or 2) in
-/// the whole one: all of them, or of those largest in modulus at least `wanted` and as many more as it takes to count the
-/// unstable ones right.
+/// the whole one: all of them, or of those largest in modulus at least `wanted` and as many more as it takes to count
+/// the unstable ones right.
 pub fn multipliers(
     transitions: &dyn Product,
     symmetry: &Reflection,

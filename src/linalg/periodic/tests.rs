@@ -130,6 +130,22 @@ fn products_that_overflow_or_vanish_come_out() {
 }
 
 #[test]
+fn units_of_very_different_size_do_no_harm() {
+    let mut random = Numbers(9);
+    let wanted: Vec<(f64, f64)> = (0..6).map(|i| (0.3 - f64::from(i), [0.0, 1.3, PI][i as usize % 3])).collect();
+    for count in [1, 2, 7] {
+        let (mut factors, values) = known(&wanted, &vec![1.0; count], 0.3, &mut random);
+        let n = values.len();
+        let units: Vec<f64> = (0..n).map(|i| 10_f64.powi([0, -9, 6, -3][i % 4])).collect();
+        for a in &mut factors {
+            *a = Mat::from_fn(n, n, |i, j| a[(i, j)] * units[i] / units[j]);
+        }
+        let off = difference(&all(&factors).unwrap(), &values);
+        assert!(off < 1e-13, "{count}: {off:.1e}");
+    }
+}
+
+#[test]
 fn zero_columns_and_rows_are_exact_zeros() {
     let mut random = Numbers(4);
     // As many zeros in all factors: those of a differential-algebraic problem.
