@@ -11,8 +11,9 @@ pub(super) struct Steady {
 
 impl Steady {
     pub fn new(gu: MatRef<'_, f64>, beta: &[f64], gamma: &[f64]) -> Result<Self, Singular> {
-        // The border stands for a vector of G_u's size; its unknown is measured accordingly.
-        let size = gu.norm_max();
+        // The border stands for a vector of G_u's size; its unknown is measured accordingly. One equation alone has no
+        // other entry to take the size from where it is singular.
+        let size = if gu.nrows() > 1 { gu.norm_max() } else { 1.0 };
         let scaled = |x: &[f64]| -> Vec<f64> { x.iter().map(|x| size * x).collect() };
         Ok(Self { bordered: Bordered::new(gu, &scaled(beta), &scaled(gamma), 0.0)?, size })
     }

@@ -76,6 +76,11 @@ impl Collocation {
         self.frame.symmetry.sign.len()
     }
 
+    /// Intervals that one thread takes at least: less work than some ten microseconds is not worth sharing.
+    fn grain(&self) -> usize {
+        (200_000 / (self.n() * self.scheme.degree).pow(3)).max(1)
+    }
+
     fn intervals(&self) -> usize {
         self.mesh.len() - 1
     }
@@ -195,7 +200,8 @@ impl System for Collocation {
         let orbit = self.orbit(x);
         let p = self.parameters(lambda);
         let (equations, phase) = r.split_at_mut(self.intervals() * m * n);
-        equations.par_chunks_mut(m * n).enumerate().for_each(|(j, rows)| {
+        let rows = equations.par_chunks_mut(m * n).with_min_len(16 * self.grain());
+        rows.enumerate().for_each(|(j, rows)| {
             for (i, row) in rows.chunks_mut(n).enumerate() {
                 let (u, v) = self.state(&orbit, j, i);
                 self.frame.problem.residual(At { u: &u, v: &v, p: &p }, row);
@@ -207,8 +213,8 @@ impl System for Collocation {
     fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<OrbitFactors, Singular> {
         let orbit = self.orbit(x);
         let p = self.parameters(lambda);
-        let intervals: Result<Vec<_>, _> =
-            (0..self.intervals()).into_par_iter().map(|j| self.eliminate(&orbit, &p, j)).collect();
+        let all = (0..self.intervals()).into_par_iter().with_min_len(self.grain());
+        let intervals: Result<Vec<_>, _> = all.map(|j| self.eliminate(&orbit, &p, j)).collect();
         let condensed = Condensed::new(intervals?, self.n())?;
         OrbitFactors::new(condensed, &self.phase, border, &self.frame)
     }

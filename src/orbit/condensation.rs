@@ -31,6 +31,9 @@ pub struct Reach {
 /// by no more than that, and there are log2(intervals) of them above each other.
 const GROWTH: f64 = 8.0;
 
+/// Joints of fewer unknowns are made on one thread.
+const WORTH_SHARING: usize = 16;
+
 /// A tall block `[inside | right]` after elimination of its inside columns.
 pub struct Elimination {
     /// L below the diagonal, U on and above it.
@@ -257,7 +260,11 @@ impl Span {
             return intervals.pop().map(Span::Interval).ok_or(Singular);
         }
         let tail = intervals.split_off(intervals.len() / 2);
-        let (left, right) = rayon::join(|| Self::join(intervals, n), || Self::join(tail, n));
+        let (left, right) = if n < WORTH_SHARING {
+            (Self::join(intervals, n), Self::join(tail, n))
+        } else {
+            rayon::join(|| Self::join(intervals, n), || Self::join(tail, n))
+        };
         let (left, right) = (left?, right?);
         let joint = Elimination::joint(left.remaining(), right.remaining(), n)?;
         Ok(Span::Joined { left: Box::new(left), right: Box::new(right), joint })
