@@ -292,7 +292,7 @@ impl OrbitFactors {
     }
 
     /// The intervals' transition maps along the computed part of the period.
-    pub fn transitions(&self) -> Result<Transitions, Singular> {
+    pub fn transitions(&self) -> Result<Transitions<'_>, Singular> {
         Transitions::new(&self.condensed.intervals())
     }
 }
