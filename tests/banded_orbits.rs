@@ -55,7 +55,7 @@ fn a_branch_of_cycles_is_the_same_with_both() {
                 break step;
             }
         };
-        let found = last.factors.multipliers().expect("multipliers");
+        let found = last.factors.multipliers(None).expect("multipliers");
         // As wrong as the orbit on so few intervals.
         assert!(found.trivial_error < 1e-5, "{:.1e}", found.trivial_error);
         ends.push((walk.system.orbit(&last.to.x).period(), found.values[0].re));

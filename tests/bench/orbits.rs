@@ -64,7 +64,7 @@ fn report(mut case: Case, peak: f64) {
     let mut found = 0;
     for _ in 0..case.steps {
         let step = walk.step().unwrap_or_else(|stop| panic!("{}: {stop}", case.name));
-        found += step.factors.multipliers().map_or(0, |m| m.values.len().min(case.multipliers));
+        found += step.factors.multipliers(Some(case.multipliers)).map_or(0, |m| m.values.len().min(case.multipliers));
     }
     let (cpu, wall) = (cpu.elapsed().as_secs_f64(), wall.elapsed().as_secs_f64());
     assert!(found > 0, "{}: no multipliers", case.name);

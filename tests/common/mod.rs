@@ -177,7 +177,7 @@ impl Flagellum {
             system.prepare(&mut point);
             let border = fixed(point.x.len());
             let corrected = correct(&system, (point.x, load), &border, counts).expect("a cycle");
-            let multipliers = corrected.factors.multipliers().expect("multipliers");
+            let multipliers = corrected.factors.multipliers(None).expect("multipliers");
             point = corrected.point;
             let orbit = system.orbit(&point.x);
             let p = system.parameters(load);
