@@ -23,7 +23,7 @@ fn compare(name: &str, native: &dyn Problem, text: &dyn Problem, p: &[f64]) {
     let at = At { u: &u, v: &v, p };
     let mut out = vec![0.0; n];
     let direction = Direction { u: &v, v: &u, p: &[] };
-    let mut row = |what: &str, run: &mut dyn FnMut(&dyn Problem)| {
+    let row = |what: &str, run: &mut dyn FnMut(&dyn Problem)| {
         let (rust, taken) = (seconds(&mut || run(native)), seconds(&mut || run(text)));
         println!("{name:12} {what:14} {:>9.1} ns {:>9.1} ns {:>7.2}", 1e9 * rust, 1e9 * taken, taken / rust);
     };
