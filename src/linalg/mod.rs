@@ -6,7 +6,7 @@ mod lu;
 mod matrix;
 mod rightmost;
 
-pub use eigen::{Eigenpair, pencil};
+pub use eigen::{Eigenpair, growth, pencil};
 pub use lu::{Bordered, Lu, Singular};
 pub use matrix::{Matrix, Structure};
 pub use rightmost::{EigenFailure, Rightmost, rightmost};
