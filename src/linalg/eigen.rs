@@ -23,7 +23,7 @@ pub fn growth(sigma: c64) -> f64 {
 const ON_AXIS: f64 = 1e-10;
 
 /// All finite eigenvalues of `A + sigma M`, rightmost first; of a conjugate pair, the one with im > 0 comes first.
-/// Of those on the axis, which rounding would shuffle, the slowest come first. `shift` is real, positive, and of the size of the eigenvalues of interest. Vectors belong to the first `vectors`.
+/// Of those with one real part, which rounding would shuffle, the slowest come first. `shift` is real, positive, and of the size of the eigenvalues of interest. Vectors belong to the first `vectors`.
 pub fn pencil(a: MatRef<'_, f64>, m: MatRef<'_, f64>, shift: f64, vectors: usize) -> Result<Vec<Eigenpair>, Singular> {
     let n = a.nrows();
     let shifted = Mat::from_fn(n, n, |i, j| a[(i, j)] + shift * m[(i, j)]);
@@ -46,9 +46,13 @@ pub fn pencil(a: MatRef<'_, f64>, m: MatRef<'_, f64>, shift: f64, vectors: usize
         .filter(|(mu, _)| mu.norm() > floor)
         .map(|(mu, j)| (c64::new(shift, 0.0) - mu.inv(), j))
         .collect();
-    found.sort_by(|(x, _), (y, _)| {
-        growth(*y).total_cmp(&growth(*x)).then(x.im.abs().total_cmp(&y.im.abs())).then(y.im.total_cmp(&x.im))
-    });
+    found.sort_by(|(x, _), (y, _)| y.re.total_cmp(&x.re));
+    let slower = |(x, _): &(c64, usize), (y, _): &(c64, usize)| {
+        x.im.abs().total_cmp(&y.im.abs()).then(y.im.total_cmp(&x.im))
+    };
+    found
+        .chunk_by_mut(|(x, _), (y, _)| x.re - y.re <= ON_AXIS * x.norm().max(y.norm()))
+        .for_each(|equal| equal.sort_by(slower));
     Ok(found
         .into_iter()
         .enumerate()

@@ -54,8 +54,8 @@ const CORNER: f64 = 0.006;
 const MOST_REFINEMENTS: usize = 2;
 /// Where no eigenvalue grows or decays, this part of the frequencies' extent stands for the visible height.
 const FLAT: f64 = 1e-3;
-/// Frequencies closer than this part of the eigenvalue are the same.
-const SAME: f64 = 1e-9;
+/// Frequencies closer than this part of the eigenvalue are the same: where two meet, half of the digits are lost.
+const SAME: f64 = 1e-6;
 /// Pairs that stay closer than this part of the spectrum's visible height over a whole step are not looked at.
 const VISIBLE: f64 = 0.01;
 
@@ -125,8 +125,12 @@ impl<'a> Spectra<'a> {
         self.meetings(samples, counts)?;
         let Some(first) = samples.first_mut() else { return Ok(()) };
         first.followed = first.values.iter().take(2 * self.wanted + 4).copied().collect();
-        let (mut i, mut halvings) = (1, 0);
+        // The step that is looked at ends at `end`; halved too often, all of it is settled by distance.
+        let (mut i, mut end, mut halvings, mut hopeless) = (1, 1, 0, false);
         while i < samples.len() {
+            if i > end {
+                (end, halvings, hopeless) = (i, 0, false);
+            }
             let meets = |s: &Sample| matches!(s.mark, Some(Mark::Exceptional(mean)) if mean.im > 0.0);
             let near_meeting = meets(&samples[i - 1]) || meets(&samples[i]);
             let guess = extrapolate(samples, i);
@@ -138,7 +142,8 @@ impl<'a> Spectra<'a> {
             };
             let found = match follow(last, &guess, values, self.wanted, BLUR * height(self.wanted)) {
                 // Two pairs on one spot cannot be told apart, however close one looks.
-                Err(_) if halvings >= MOST_HALVINGS || near_meeting => {
+                Err(_) if halvings >= MOST_HALVINGS || hopeless || near_meeting => {
+                    hopeless |= !near_meeting;
                     Ok(Followed { values: settle(&guess, values), coalesced: Vec::new() })
                 }
                 found => found,
@@ -146,7 +151,7 @@ impl<'a> Spectra<'a> {
             match found {
                 Err(_) => {
                     self.insert(samples, i, 0.5, counts)?;
-                    halvings += 1;
+                    (end, halvings) = (end + 1, halvings + 1);
                 }
                 Ok(found) => {
                     let near = [&samples[i - 1], &samples[i]];
@@ -159,6 +164,7 @@ impl<'a> Spectra<'a> {
                         let width = (found.values[j] - found.values[k]).norm().max((last[j] - last[k]).norm());
                         if width > VISIBLE * height(self.wanted) {
                             added = self.exceptional(samples, i, ends, counts)?;
+                            end += added;
                         }
                     }
                     if added == 0 {
