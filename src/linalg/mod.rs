@@ -9,7 +9,7 @@ pub mod periodic;
 mod rightmost;
 
 pub use banded::{Banded, BandedLu};
-pub use eigen::{Eigenpair, pencil};
+pub use eigen::{Eigenpair, growth, pencil};
 pub use lu::{Bordered, Lu, Singular};
 pub use matrix::{Matrix, Structure};
 pub use rightmost::{EigenFailure, Rightmost, rightmost};

@@ -40,6 +40,7 @@ fn kind_of(label: &str) -> Option<Kind> {
         "HB" => Some(Kind::HB),
         "LP" => Some(Kind::LP),
         "XP" => Some(Kind::XP),
+        "KC" => Some(Kind::KC),
         "GH" => Some(Kind::GH),
         "BT" => Some(Kind::BT),
         "ZH" => Some(Kind::ZH),
@@ -58,6 +59,7 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
         Kind::HB => Some("Hopf point (HB)"),
         Kind::LP => Some("fold (LP)"),
         Kind::XP => Some("exceptional point (XP)"),
+        Kind::KC => Some("two pairs meet on the axis (KC)"),
         Kind::GH => Some("generalised Hopf point (GH)"),
         Kind::BT => Some("Bogdanov-Takens point (BT)"),
         Kind::ZH => Some("zero-Hopf point (ZH)"),
@@ -72,7 +74,7 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
 /// Who gets a label first where there is not room for all. Ends of branches get none.
 pub fn priority(kind: Kind) -> Option<u8> {
     match kind {
-        Kind::HB => Some(0),
+        Kind::HB | Kind::KC => Some(0),
         Kind::LP | Kind::GH | Kind::BT | Kind::ZH | Kind::HH | Kind::CP => Some(1),
         Kind::MX => Some(2),
         Kind::UZ => Some(3),
@@ -119,6 +121,11 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
             let diamond = shape(&DIAMOND);
             canvas.fill(&diamond, WHITE)?;
             canvas.line(&diamond, 1.1, INK)
+        }
+        Kind::KC => {
+            let diamond = shape(&DIAMOND);
+            canvas.line(&diamond, 1.8, WHITE)?;
+            canvas.fill(&diamond, INK)
         }
         Kind::MX => {
             canvas.line(&shape(&[(-3.4, -3.4), (3.4, 3.4)]), 1.6, INK)?;

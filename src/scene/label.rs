@@ -3,7 +3,7 @@
 use super::{Fault, Task, TaskKind};
 
 /// Kinds of points that a scene can refer to.
-pub const POINT_KINDS: [&str; 9] = ["HB", "LP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP"];
+pub const POINT_KINDS: [&str; 11] = ["HB", "LP", "KC", "XP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP"];
 
 /// "straight/HB1": the first Hopf point of the task "straight".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,6 +70,10 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         ("EP", _) => None,
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
         ("UZ", _) => None,
+        ("KC" | "XP", TaskKind::Equilibria(task)) => {
+            let looks = task.spectrum > 0 || task.detect.iter().any(|known| known == "HB");
+            (!looks).then(|| "; give it spectrum = 4".to_owned())
+        }
         (_, TaskKind::Equilibria(_)) if !["HB", "LP"].contains(&kind) => {
             Some(" (points of codimension two are on curves: kind = \"hopf-curve\" or \"fold-curve\")".to_owned())
         }

@@ -9,7 +9,7 @@ use super::wave;
 use crate::bifurcation::{Equilibria, Hopf, HopfNormalForm, Mark, Sample, Spectra, leading};
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Border, Counts, Failure, Point, Stop, at_lambda, correct, crossing};
-use crate::linalg::c64;
+use crate::linalg::{c64, growth};
 use crate::problem::{At, Problem};
 use crate::scene;
 use rayon::prelude::*;
@@ -165,6 +165,7 @@ fn kind(mark: &Mark) -> Kind {
         Mark::User => Kind::UZ,
         Mark::Fold => Kind::LP,
         Mark::Hopf(_) => Kind::HB,
+        Mark::Exceptional(mean) if mean.im > 0.0 && growth(*mean) == 0.0 => Kind::KC,
         Mark::Exceptional(_) => Kind::XP,
     }
 }
@@ -199,8 +200,10 @@ fn rows(prepared: &Prepared, system: &Equilibria, task: &scene::Equilibria, samp
         for &k in &shown {
             values.extend([Some(sample.followed[k].re), Some(sample.followed[k].im)]);
         }
-        let on_axis = matches!(sample.mark, Some(Mark::Hopf(_)));
-        let stable = sample.values.first().filter(|_| !on_axis).map(|sigma| sigma.re < 0.0);
+        let on_axis = matches!(sample.mark.as_ref().map(kind), Some(Kind::HB | Kind::KC));
+        // Undamped oscillations do not grow.
+        let bounded = |sigma: &c64| growth(*sigma) < 0.0 || growth(*sigma) == 0.0 && sigma.im != 0.0;
+        let stable = sample.values.first().filter(|_| !on_axis).map(bounded);
         branch.rows.push(Row { label: None, stable, values });
     }
 }
@@ -221,7 +224,7 @@ fn describe(
     let p = prepared.problem.resolve(&system.parameters(sample.point.lambda));
     let names = prepared.problem.parameters().iter();
     special.parameters = names.zip(&p).map(|(q, &x)| (q.name.to_owned(), x)).collect();
-    special.values = measure(prepared, system, &sample.point, sample.values.first().copied());
+    special.values = measure(prepared, system, &sample.point, known(sample));
     let arrays = &mut special.arrays;
     let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
     arrays.insert("state".to_owned(), vector(sample.point.x.clone()));
@@ -239,6 +242,14 @@ fn describe(
     if let Some(q) = mode {
         arrays.insert("q_re".to_owned(), vector(q.iter().map(|z| z.re).collect()));
         arrays.insert("q_im".to_owned(), vector(q.iter().map(|z| z.im).collect()));
+    }
+}
+
+/// The leading eigenvalue, or that of two pairs that meet, which rounding splits.
+fn known(sample: &Sample) -> Option<c64> {
+    match sample.mark {
+        Some(Mark::Exceptional(mean)) if mean.im > 0.0 => Some(c64::new(growth(mean), mean.im)),
+        _ => sample.values.first().copied(),
     }
 }
 
@@ -300,8 +311,9 @@ fn estimate(
         }
         Some(Mark::Exceptional(mean)) => {
             let (Some(a), Some(b), Some(tool)) = (neighbours.0, neighbours.1, spectra) else { return };
-            let Some(lambda) = tool.exceptional_on(&fine, (a, sample, b), settle, *mean) else { return };
-            (Some(coordinate.value(lambda)), BTreeMap::new())
+            let Some((lambda, mean)) = tool.exceptional_on(&fine, (a, sample, b), settle, *mean) else { return };
+            let met = (mean.im > 0.0).then(|| measure(prepared, system, &sample.point, Some(mean)));
+            (Some(coordinate.value(lambda)), met.unwrap_or_default())
         }
         _ => {
             let Some(settled) = settle(&sample.point) else { return };
