@@ -35,6 +35,14 @@ impl Matrix {
         }
     }
 
+    /// The largest entry's size.
+    pub fn norm_max(&self) -> f64 {
+        match self {
+            Matrix::Dense(a) => a.norm_max(),
+            Matrix::Banded(a) => (0..a.n()).flat_map(|i| a.row(i)).fold(0.0, |most, x| most.max(x.abs())),
+        }
+    }
+
     /// `y = A x`.
     pub fn times(&self, x: &[f64], y: &mut [f64]) {
         match self {

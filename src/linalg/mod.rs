@@ -2,12 +2,14 @@
 //! to those who have several systems to solve.
 
 mod banded;
+mod bordered;
 mod eigen;
 mod lu;
 mod matrix;
 mod rightmost;
 
 pub use banded::{Banded, BandedLu};
+pub use bordered::BorderedMatrix;
 pub use eigen::{Eigenpair, pencil};
 pub use lu::{Bordered, Lu, Singular};
 pub use matrix::{Matrix, Structure};

@@ -3,7 +3,7 @@
 use super::{Fault, Task, TaskKind};
 
 /// Kinds of points that a scene can refer to.
-pub const POINT_KINDS: [&str; 9] = ["HB", "LP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP"];
+pub const POINT_KINDS: [&str; 10] = ["HB", "LP", "BP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP"];
 
 /// "straight/HB1": the first Hopf point of the task "straight".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +70,7 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         ("EP", _) => None,
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
         ("UZ", _) => None,
-        (_, TaskKind::Equilibria(_)) if !["HB", "LP"].contains(&kind) => {
+        (_, TaskKind::Equilibria(_)) if !["HB", "LP", "BP"].contains(&kind) => {
             Some(" (points of codimension two are on curves: kind = \"hopf-curve\" or \"fold-curve\")".to_owned())
         }
         (_, TaskKind::Equilibria(task)) if task.detect.iter().any(|known| known == kind) => None,

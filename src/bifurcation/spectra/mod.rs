@@ -2,7 +2,7 @@
 
 mod exceptional;
 
-use super::{Equilibria, Followed, Hopf, HopfNormalForm, follow, settle};
+use super::{BranchPoint, Equilibria, Fold, Followed, Hopf, HopfNormalForm, follow, settle};
 use crate::continuation::{Counts, Failure, Point, at_fraction, at_lambda};
 use crate::linalg::{Singular, c64};
 use exceptional::Meeting;
@@ -15,7 +15,9 @@ pub enum Mark {
     /// The branch could not be followed further.
     Stuck,
     User,
-    Fold,
+    /// With its normal form, where its defining system could be solved.
+    Fold(Option<Box<Fold>>),
+    Branch(Box<BranchPoint>),
     Hopf(Box<(Hopf, HopfNormalForm)>),
     /// Two eigenvalues coalesce at this value: a pair is born or dies on the real axis.
     Exceptional(f64),
