@@ -7,7 +7,7 @@
 //! border . (u, P, lambda) = 0     (continuation's own row).
 //! ```
 
-use super::condensation::{Condensed, Elimination, Forwarded, Reach};
+use super::condensation::{Condensed, Forwarded, Interval, Reach};
 use super::{Multipliers, Orbit, Points, Scheme, adapted, multipliers};
 use crate::continuation::{Border, Factored, Point, System};
 use crate::linalg::{Lu, Matrix, Singular};
@@ -151,39 +151,27 @@ impl Collocation {
     }
 
     /// The equations of interval j, linearised, with its inner nodes eliminated.
-    fn eliminate(&self, orbit: &Orbit, p: &[f64], j: usize) -> Result<Elimination, Singular> {
+    fn eliminate(&self, orbit: &Orbit, p: &[f64], j: usize) -> Result<Interval, Singular> {
         let (n, m) = (orbit.dim, self.scheme.degree);
         let rate = 1.0 / ((self.mesh[j + 1] - self.mesh[j]) * orbit.part);
-        let (mut inside, mut right) = (Mat::zeros(m * n, (m - 1) * n), Mat::zeros(m * n, 2 * n + 2));
         let structure = self.frame.problem.structure();
-        let (mut gu, mut gv) = (Matrix::zeros(structure, n), Matrix::zeros(structure, n));
         let mut unit = vec![0.0; p.len()];
         unit[self.frame.free] = 1.0;
-        let mut by_lambda = vec![0.0; n];
+        let (mut blocks, mut scalars) = (Vec::with_capacity(m), Vec::with_capacity(m));
+        let (mut moved, mut by_lambda) = (vec![0.0; n], vec![0.0; n]);
         for i in 0..m {
             let (u, v) = self.state(orbit, j, i);
             let at = At { u: &u, v: &v, p };
+            let (mut gu, mut gv) = (Matrix::zeros(structure, n), Matrix::zeros(structure, n));
             self.frame.problem.linearise(at, &mut gu, &mut gv);
-            let (gu, gv) = (gu.clone().into_dense(), gv.clone().into_dense());
-            let (gu, gv) = (gu.as_ref(), gv.as_ref());
             self.frame.problem.derivative(at, &[Direction { u: &[], v: &[], p: &unit }], &mut by_lambda);
-            for l in 0..=m {
-                let (a, d) = (self.scheme.value[i][l], self.scheme.slope[i][l] * rate);
-                let block = match l {
-                    0 => right.as_mut().submatrix_mut(i * n, 0, n, n),
-                    l if l == m => right.as_mut().submatrix_mut(i * n, n, n, n),
-                    _ => inside.as_mut().submatrix_mut(i * n, (l - 1) * n, n, n),
-                };
-                faer::zip!(block, gu, gv).for_each(|faer::unzip!(b, x, y)| *b = a * *x + d * *y);
-            }
             // dG/dP = -G_v v / P.
-            for row in 0..n {
-                let moved: f64 = (0..n).map(|k| gv[(row, k)] * v[k]).sum();
-                right[(i * n + row, 2 * n)] = -moved / orbit.part;
-                right[(i * n + row, 2 * n + 1)] = by_lambda[row];
-            }
+            gv.times(&v, &mut moved);
+            scalars.push(moved.iter().zip(&by_lambda).flat_map(|(m, l)| [-m / orbit.part, *l]).collect());
+            blocks.push((gu, gv));
         }
-        Elimination::new(inside, right, n)
+        let slope: Vec<Vec<f64>> = self.scheme.slope.iter().map(|row| row.iter().map(|d| d * rate).collect()).collect();
+        Interval::new(blocks, (&self.scheme.value, &slope), &scalars)
     }
 }
 
@@ -207,9 +195,9 @@ impl System for Collocation {
     fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<OrbitFactors, Singular> {
         let orbit = self.orbit(x);
         let p = self.parameters(lambda);
-        let eliminations: Result<Vec<_>, _> =
+        let intervals: Result<Vec<_>, _> =
             (0..self.intervals()).into_par_iter().map(|j| self.eliminate(&orbit, &p, j)).collect();
-        let condensed = Condensed::new(eliminations?, self.n())?;
+        let condensed = Condensed::new(intervals?, self.n())?;
         OrbitFactors::new(condensed, &self.phase, border, &self.frame)
     }
 

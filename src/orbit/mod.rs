@@ -1,5 +1,6 @@
 //! Periodic orbits of `G(u, u', p) = 0` by collocation at Gauss points.
 
+mod band;
 mod collocation;
 mod condensation;
 mod floquet;
@@ -8,8 +9,9 @@ mod scheme;
 mod shape;
 mod start;
 
+pub use band::Band;
 pub use collocation::{Collocation, Frame, OrbitFactors};
-pub use condensation::{Condensed, Elimination};
+pub use condensation::{Condensed, Elimination, Interval};
 pub use floquet::{Multipliers, multipliers};
 pub use mesh::adapted;
 pub use scheme::{Points, Scheme};

@@ -1,6 +1,8 @@
 //! What several test files share: parameters, small systems, the way to a Hopf point.
 #![allow(dead_code)]
 
+pub mod brusselator;
+
 use faer::Mat;
 use hopfline::bifurcation::{Coordinate, Equilibria, Hopf, HopfNormalForm};
 use hopfline::continuation::{Border, Counts, StepControl, Stop, System, Walk, correct};
