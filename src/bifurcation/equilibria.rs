@@ -2,7 +2,7 @@
 
 use super::Coordinate;
 use crate::continuation::{Border, Factored, System};
-use crate::linalg::{BorderedMatrix, Eigenpair, Singular, pencil};
+use crate::linalg::{BorderedMatrix, Eigenpair, Leading, Singular, Structure, leading, pencil};
 use crate::problem::{At, Direction, Problem};
 use std::sync::Arc;
 
@@ -30,6 +30,23 @@ impl Equilibria {
         let (rest, p) = (vec![0.0; n], self.parameters(lambda));
         let (gu, gv) = self.problem.linearised(At { u, v: &rest, p: &p });
         pencil(gu.as_ref(), gv.as_ref(), shift, vectors)
+    }
+}
+
+/// More unknowns than this, and a problem with structure has only its leading eigenvalues computed.
+pub const ALL_EIGENVALUES: usize = 256;
+
+impl Equilibria {
+    /// The eigenvalues that matter for stability: all of them, or for large problems with structure at least `count` of
+    /// the leading ones (see [`crate::linalg::leading`]).
+    pub fn leading(&self, u: &[f64], lambda: f64, shift: f64, count: usize, vectors: usize) -> Result<Leading, Singular> {
+        if u.len() <= ALL_EIGENVALUES || self.problem.structure() == Structure::Dense {
+            let pairs = self.spectrum(u, lambda, shift, vectors)?;
+            return Ok(Leading { pairs, covered: f64::INFINITY, bound: None });
+        }
+        let (rest, p) = (vec![0.0; u.len()], self.parameters(lambda));
+        let (gu, gv) = self.problem.matrices(At { u, v: &rest, p: &p });
+        Ok(leading(&gu, &gv, shift, count)?)
     }
 }
 

@@ -91,8 +91,8 @@ impl<'a> Spectra<'a> {
     /// Eigenvalues at a point, as many as are ever looked at.
     fn at(&self, point: &Point, counts: &mut Counts) -> Result<Vec<c64>, Failure> {
         counts.spectra += 1;
-        let pairs = self.system.spectrum(&point.x, point.lambda, self.shift, 0)?;
-        Ok(pairs.iter().take(self.looked_at()).map(|pair| pair.value).collect())
+        let found = self.system.leading(&point.x, point.lambda, self.shift, self.looked_at(), 0)?;
+        Ok(found.pairs.iter().take(self.looked_at()).map(|pair| pair.value).collect())
     }
 
     fn looked_at(&self) -> usize {
@@ -101,13 +101,14 @@ impl<'a> Spectra<'a> {
 
     /// The rightmost eigenvalue's vector.
     pub fn mode(&self, point: &Point) -> Option<Vec<c64>> {
-        let pairs = self.system.spectrum(&point.x, point.lambda, self.shift, 1).ok()?;
-        pairs.into_iter().next().map(|pair| pair.vector)
+        let found = self.system.leading(&point.x, point.lambda, self.shift, self.looked_at(), 1).ok()?;
+        found.pairs.into_iter().next().map(|pair| pair.vector)
     }
 
     /// The rightmost eigenvalue of another discretisation of the same system.
     pub fn leading(&self, system: &Equilibria, point: &Point) -> Option<c64> {
-        system.spectrum(&point.x, point.lambda, self.shift, 0).ok()?.first().map(|pair| pair.value)
+        let found = system.leading(&point.x, point.lambda, self.shift, self.looked_at(), 0).ok()?;
+        found.pairs.first().map(|pair| pair.value)
     }
 
     /// Puts every sample's eigenvalues in the order of the branches; adds samples where they cannot be told apart
@@ -252,7 +253,8 @@ impl<'a> Spectra<'a> {
         let theta = x.re / (x.re - y.re);
         let near = at_fraction(self.system, (&a.point, &b.point), theta, counts).ok()?.point;
         let expected = x + (y - x) * theta;
-        let pairs = self.system.spectrum(&near.x, near.lambda, self.shift, 2 * self.wanted + 8).ok()?;
+        let vectors = 2 * self.wanted + 8;
+        let pairs = self.system.leading(&near.x, near.lambda, self.shift, self.looked_at(), vectors).ok()?.pairs;
         counts.spectra += 1;
         let pair = pairs
             .iter()
