@@ -137,7 +137,7 @@ fn orbit((system, corrected): &Solved) -> Orbit {
 }
 
 fn multipliers((_, corrected): &Solved) -> Multipliers {
-    corrected.factors.multipliers().expect("multipliers")
+    corrected.factors.multipliers(None).expect("multipliers")
 }
 
 /// The integral of an observable over the period, by the orbit's own quadrature.
@@ -392,7 +392,7 @@ fn the_branch_of_circles_from_a_hopf_point_is_exact_all_along() {
             // Newton's tolerance of 1e-11 is an estimate, and an error of mu counts 1/(2 r) < 4 times.
             near("radius", u[0].hypot(u[1]), mu.sqrt(), 1e-10);
         }
-        let found = step.factors.multipliers().expect("multipliers");
+        let found = step.factors.multipliers(None).expect("multipliers");
         // The same error of r, times |d exp(-4 pi r²)/dr| < 3.1.
         near("multiplier", found.values[0].re, (-2.0 * TAU * mu).exp(), 3.1e-10);
         if step.stop == Some(Stop::RangeEnd) {

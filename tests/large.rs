@@ -2,10 +2,11 @@
 
 mod common;
 
+use common::brusselator::Brusselator;
 use common::{close, near, parameter};
-use hopfline::bifurcation::{ALL_EIGENVALUES, Coordinate, Equilibria, Mark, Sample, Spectra, folds};
+use hopfline::bifurcation::{ALL_EIGENVALUES, Coordinate, Equilibria, HopfNormalForm, Mark, Sample, Spectra, folds};
 use hopfline::continuation::{Border, Counts, StepControl, Walk, correct};
-use hopfline::linalg::{Pattern, Structure, leading, nearest, c64, pencil};
+use hopfline::linalg::{Pattern, Structure, c64, leading, nearest};
 use hopfline::problem::{At, Automatic, Formula, Parameter, Problem, Scalar, check_derivatives};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -168,13 +169,12 @@ fn eigenvalues_nearest_to_a_point() {
 #[test]
 fn hopf_points_of_a_long_chain() {
     let points = 600;
-    let problem = common::brusselator::Brusselator::new(points, true);
+    let problem = Brusselator::chain(points, true);
     let n = problem.dim();
     assert!(n > ALL_EIGENVALUES);
     let range = (0.45, 0.6);
     let coordinate = Coordinate { index: 0, logarithmic: false, width: range.1 - range.0 };
-    let (a, b) = (2.0, 5.45);
-    let u: Vec<f64> = (0..n).map(|i| if i % 2 == 0 { a } else { b / a }).collect();
+    let u = problem.start(&[range.0]);
     let mut system = Equilibria { problem, p: vec![range.0], coordinate, scale_state: 2.0 };
     let mut counts = Counts::default();
     let border = Border { row: vec![0.0; n], lambda: 1.0 };
@@ -197,14 +197,21 @@ fn hopf_points_of_a_long_chain() {
     let found: Vec<_> =
         samples.iter().filter_map(|s| if let Some(Mark::Hopf(hopf)) = &s.mark { Some(hopf.clone()) } else { None }).collect();
     assert_eq!(found.len(), 1);
-    let m = 4.0 * ((points + 1) as f64).powi(2) * (PI / (2 * (points + 1)) as f64).sin().powi(2);
-    close("L", found[0].0.p[0], ((0.008 + 0.004) * m / (b - 1.0 - a * a)).sqrt(), 1e-10);
+    close("L", found[0].0.p[0], Brusselator::onset(points), 1e-10);
     close("omega", found[0].0.omega, 2.13950928953347, 1e-9);
-    // Against the dense normal form of the same chain at a size that both can do.
-    let (banded, dense) = [true, false]
-        .map(|banded| common::brusselator::Brusselator::new(40, banded))
-        .map(|problem| common::brusselator::first_hopf(&problem, 40))
-        .into();
-    let _ = (banded, dense);
-    let _ = pencil;
+}
+
+/// The Hopf point and its normal form by band and sparse factors are those by dense ones.
+#[test]
+fn normal_forms_do_not_depend_on_the_structure() {
+    let forms = [true, false].map(|banded| {
+        let problem = Brusselator::chain(40, banded);
+        let hopf = Brusselator::hopf(&problem);
+        (HopfNormalForm::new(&*problem, &hopf).unwrap(), hopf)
+    });
+    let [(a, hopf_a), (b, hopf_b)] = forms;
+    close("L", hopf_a.p[0], hopf_b.p[0], 1e-13);
+    close("omega", hopf_a.omega, hopf_b.omega, 1e-12);
+    close("l1", a.l1, b.l1, 1e-9);
+    close("p2", a.p2, b.p2, 1e-9);
 }

@@ -46,7 +46,7 @@ impl Equilibria {
         }
         let (rest, p) = (vec![0.0; u.len()], self.parameters(lambda));
         let (gu, gv) = self.problem.matrices(At { u, v: &rest, p: &p });
-        Ok(leading(&gu, &gv, shift, count)?)
+        leading(&gu, &gv, shift, count).map_err(|_| Singular)
     }
 }
 

@@ -30,7 +30,7 @@ pub use calibration::{Analysis, Calibration, Fit, FitError, Lost, Place, Quantit
 pub use coordinate::Coordinate;
 pub use detect::{branch_points, folds, leaving, scales};
 pub use double_hopf::DoubleHopf;
-pub use equilibria::Equilibria;
+pub use equilibria::{ALL_EIGENVALUES, Equilibria};
 pub use fold::Fold;
 pub use fold_curve::{FoldCurve, FoldSegment, FoldTest};
 pub use hopf::{Hopf, HopfError};

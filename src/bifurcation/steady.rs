@@ -16,7 +16,7 @@ impl Steady {
 
     pub fn structured(gu: &Matrix, beta: &[f64], gamma: &[f64]) -> Result<Self, Singular> {
         // The border stands for a vector of G_u's size; its unknown is measured accordingly.
-        let size = gu.norm_max();
+        let size = size(gu);
         let scaled = |x: &[f64]| -> Vec<f64> { x.iter().map(|x| size * x).collect() };
         Ok(Self { bordered: BorderedMatrix::new(gu, &[&scaled(beta)], &[&scaled(gamma)], &[&[0.0]])?, size })
     }
@@ -36,6 +36,11 @@ impl Steady {
         self.bordered.solve_transposed(&mut x);
         x
     }
+}
+
+/// The largest entry's size. One equation alone has no other entry to take it from where it is singular.
+pub(super) fn size(gu: &Matrix) -> f64 {
+    if gu.n() > 1 { gu.norm_max() } else { 1.0 }
 }
 
 /// The vector in its direction of length one.

@@ -33,7 +33,7 @@ impl Factors {
     pub fn solve(&self, b: &mut [f64]) {
         match self {
             Factors::Dense(lu) => lu.solve(b),
-            Factors::Banded(lu) => lu.solve(b, 1),
+            Factors::Banded(lu) => lu.solve(b),
             Factors::Sparse(lu, _) => lu.solve(b),
         }
     }

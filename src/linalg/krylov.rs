@@ -11,7 +11,7 @@
 //! ```
 
 use super::factors::{Base, Factors, PencilFactors};
-use super::{EigenFailure, Eigenpair, Matrix, Singular, c64};
+use super::{EigenFailure, Eigenpair, Matrix, c64};
 use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
 use faer::matrix_free::LinOp;
 use faer::matrix_free::eigen::{PartialEigenParams, partial_eigen, partial_eigen_scratch};
@@ -191,11 +191,4 @@ fn iterate<T: ComplexField<Real = f64>>(operator: &Inverse<'_, T>, count: usize)
     let info =
         partial_eigen(vectors.as_mut(), &mut values, operator, start.as_ref(), TOLERANCE, Par::Seq, stack, parameters);
     (0..info.n_converged_eigen.min(count)).map(|k| (values[k], (0..n).map(|i| vectors[(i, k)]).collect())).collect()
-}
-
-impl From<EigenFailure> for Singular {
-    /// For callers that need no more than that there are no eigenvalues.
-    fn from(_: EigenFailure) -> Self {
-        Singular
-    }
 }

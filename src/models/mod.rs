@@ -3,6 +3,8 @@
 mod flagellum;
 mod lorenz84;
 mod options;
+#[cfg(feature = "program")]
+pub mod text;
 
 pub use flagellum::{Law, Load, TwoDoublet};
 pub use lorenz84::Lorenz84;

@@ -67,7 +67,7 @@ impl Band {
                 ordered[2 * at..2 * at + 2].copy_from_slice(&scalars[i][2 * row..2 * row + 2]);
             }
         }
-        k.solve(&mut right, width);
+        k.solve_many(&mut right, width);
         let mut remaining = Mat::zeros(n, 2 * n + 2);
         for row in 0..n {
             let solved = &right[(row * m + m - 1) * width..][..width];
@@ -113,7 +113,7 @@ impl Band {
         for (border, w) in border.iter_mut().zip(&self.borders) {
             *border -= crate::linalg::dot(w, &solved);
         }
-        self.k.solve(&mut solved, 1);
+        self.k.solve(&mut solved);
         let bottom = solved.iter().skip(self.m - 1).step_by(self.m).map(|x| -x).collect();
         (solved, bottom)
     }
@@ -128,7 +128,7 @@ impl Band {
                 crate::linalg::dot(self.first[i].row(row), &a[self.first[i].columns(row)]) + scalars
             })
             .collect();
-        self.k.solve(&mut change, 1);
+        self.k.solve(&mut change);
         (0..(m - 1) * n).map(|at| at % n * m + at / n).map(|at| solved[at] - change[at]).collect()
     }
 }

@@ -8,11 +8,11 @@
 //! ```
 
 use super::condensation::{Condensed, Forwarded, Interval, Reach};
-use super::{Multipliers, Orbit, Points, Scheme, adapted, multipliers};
+use super::{FloquetError, Multipliers, Orbit, Points, Scheme, Transitions, adapted, multipliers};
 use crate::continuation::{Border, Factored, Point, System};
 use crate::linalg::{Lu, Matrix, Singular};
 use crate::problem::{At, Direction, Problem, Reflection};
-use faer::{Mat, MatRef};
+use faer::Mat;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -38,8 +38,12 @@ pub struct Frame {
 pub struct Collocation {
     pub frame: Frame,
     pub scheme: Scheme,
+    /// The error that the mesh is to have, relative to the orbit's size; None: the number of intervals is kept.
+    pub tolerance: Option<f64>,
     points: Points,
     pub mesh: Vec<f64>,
+    /// The orbit that the phase condition refers to.
+    reference: Orbit,
     /// `int <., u_ref'> dtau` as a row over all nodes but the last.
     phase: Vec<f64>,
     /// Weight of each node in the metric, the last node's carried by the first.
@@ -52,8 +56,10 @@ impl Collocation {
         let mut system = Self {
             frame,
             scheme: orbit.scheme(),
+            tolerance: None,
             points: orbit.points,
             mesh: Vec::new(),
+            reference: orbit.clone(),
             phase: Vec::new(),
             weights: Vec::new(),
         };
@@ -61,8 +67,18 @@ impl Collocation {
         system
     }
 
+    /// The orbit that the phase condition refers to: a system made from it is this one.
+    pub fn reference(&self) -> &Orbit {
+        &self.reference
+    }
+
     fn n(&self) -> usize {
         self.frame.symmetry.sign.len()
+    }
+
+    /// Intervals that one thread takes at least: less work than some ten microseconds is not worth sharing.
+    fn grain(&self) -> usize {
+        (200_000 / (self.n() * self.scheme.degree).pow(3)).max(1)
     }
 
     fn intervals(&self) -> usize {
@@ -106,6 +122,7 @@ impl Collocation {
     fn refer_to(&mut self, orbit: &Orbit) {
         let (n, m) = (orbit.dim, self.scheme.degree);
         self.mesh = orbit.mesh.clone();
+        self.reference = orbit.clone();
         let nodes = self.intervals() * m;
         self.phase = vec![0.0; (nodes + 1) * n];
         self.weights = vec![0.0; nodes];
@@ -183,7 +200,8 @@ impl System for Collocation {
         let orbit = self.orbit(x);
         let p = self.parameters(lambda);
         let (equations, phase) = r.split_at_mut(self.intervals() * m * n);
-        equations.par_chunks_mut(m * n).enumerate().for_each(|(j, rows)| {
+        let rows = equations.par_chunks_mut(m * n).with_min_len(16 * self.grain());
+        rows.enumerate().for_each(|(j, rows)| {
             for (i, row) in rows.chunks_mut(n).enumerate() {
                 let (u, v) = self.state(&orbit, j, i);
                 self.frame.problem.residual(At { u: &u, v: &v, p: &p }, row);
@@ -195,8 +213,8 @@ impl System for Collocation {
     fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<OrbitFactors, Singular> {
         let orbit = self.orbit(x);
         let p = self.parameters(lambda);
-        let intervals: Result<Vec<_>, _> =
-            (0..self.intervals()).into_par_iter().map(|j| self.eliminate(&orbit, &p, j)).collect();
+        let all = (0..self.intervals()).into_par_iter().with_min_len(self.grain());
+        let intervals: Result<Vec<_>, _> = all.map(|j| self.eliminate(&orbit, &p, j)).collect();
         let condensed = Condensed::new(intervals?, self.n())?;
         OrbitFactors::new(condensed, &self.phase, border, &self.frame)
     }
@@ -216,7 +234,7 @@ impl System for Collocation {
     /// Moves the mesh where the error is spread too unevenly, and takes the point as phase reference.
     fn prepare(&mut self, point: &mut Point) -> bool {
         let orbit = self.orbit(&point.x);
-        if let Some(mesh) = adapted(&orbit, &self.scheme, &self.frame.symmetry) {
+        if let Some(mesh) = adapted(&orbit, &self.scheme, &self.frame.symmetry, self.tolerance) {
             let moved = orbit.interpolated(&mesh, self.scheme.degree);
             let tangent = self.orbit(&point.tangent).interpolated(&mesh, self.scheme.degree);
             self.refer_to(&moved);
@@ -268,14 +286,14 @@ impl OrbitFactors {
         Ok(Self { condensed, ends, symmetry: frame.symmetry.clone(), parts: frame.parts })
     }
 
-    /// Floquet multipliers over the whole period.
-    pub fn multipliers(&self) -> Result<Multipliers, Singular> {
-        multipliers(self.condensed.transition(), &self.symmetry, self.parts)
+    /// Floquet multipliers over the whole period: all, or the leading ones.
+    pub fn multipliers(&self, wanted: Option<usize>) -> Result<Multipliers, FloquetError> {
+        multipliers(&self.transitions()?, &self.symmetry, self.parts, wanted)
     }
 
-    /// The condensed rows `[C D E]` that multipliers come from.
-    pub fn transition(&self) -> MatRef<'_, f64> {
-        self.condensed.transition()
+    /// The intervals' transition maps along the computed part of the period.
+    pub fn transitions(&self) -> Result<Transitions, Singular> {
+        Transitions::new(&self.condensed.intervals())
     }
 }
 

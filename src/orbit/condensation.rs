@@ -31,6 +31,9 @@ pub struct Reach {
 /// by no more than that, and there are log2(intervals) of them above each other.
 const GROWTH: f64 = 8.0;
 
+/// Joints of fewer unknowns are made on one thread.
+const WORTH_SHARING: usize = 16;
+
 /// A tall block `[inside | right]` after elimination of its inside columns.
 pub struct Elimination {
     /// L below the diagonal, U on and above it.
@@ -257,7 +260,11 @@ impl Span {
             return intervals.pop().map(Span::Interval).ok_or(Singular);
         }
         let tail = intervals.split_off(intervals.len() / 2);
-        let (left, right) = rayon::join(|| Self::join(intervals, n), || Self::join(tail, n));
+        let (left, right) = if n < WORTH_SHARING {
+            (Self::join(intervals, n), Self::join(tail, n))
+        } else {
+            rayon::join(|| Self::join(intervals, n), || Self::join(tail, n))
+        };
         let (left, right) = (left?, right?);
         let joint = Elimination::joint(left.remaining(), right.remaining(), n)?;
         Ok(Span::Joined { left: Box::new(left), right: Box::new(right), joint })
@@ -268,6 +275,17 @@ impl Span {
         match self {
             Span::Interval(interval) => interval.remaining(),
             Span::Joined { joint, .. } => joint.remaining(),
+        }
+    }
+
+    /// Appends the remaining rows of the span's intervals in order.
+    fn intervals<'a>(&'a self, out: &mut Vec<MatRef<'a, f64>>) {
+        match self {
+            Span::Interval(elimination) => out.push(elimination.remaining()),
+            Span::Joined { left, right, .. } => {
+                left.intervals(out);
+                right.intervals(out);
+            }
         }
     }
 
@@ -350,6 +368,13 @@ impl Condensed {
     /// `[C D E]`.
     pub fn transition(&self) -> MatRef<'_, f64> {
         self.root.remaining()
+    }
+
+    /// `[C D E]` of each interval in order.
+    pub fn intervals(&self) -> Vec<MatRef<'_, f64>> {
+        let mut out = Vec::new();
+        self.root.intervals(&mut out);
+        out
     }
 
     /// Condenses a border row over all nodes but the last.

@@ -12,7 +12,7 @@ mod start;
 pub use band::Band;
 pub use collocation::{Collocation, Frame, OrbitFactors};
 pub use condensation::{Condensed, Elimination, Interval};
-pub use floquet::{Multipliers, multipliers};
+pub use floquet::{FloquetError, Multipliers, Stability, Transitions, multipliers};
 pub use mesh::adapted;
 pub use scheme::{Points, Scheme};
 pub use shape::{Extremes, Orbit};

@@ -46,6 +46,8 @@ pub enum Bounds {
     Any,
     Positive,
     NonNegative,
+    /// Both ends included; they may be infinite.
+    Within(f64, f64),
 }
 
 impl Bounds {
@@ -54,17 +56,21 @@ impl Bounds {
             Bounds::Any => x.is_finite(),
             Bounds::Positive => x.is_finite() && x > 0.0,
             Bounds::NonNegative => x.is_finite() && x >= 0.0,
+            Bounds::Within(least, most) => x.is_finite() && (least..=most).contains(&x),
         }
     }
 }
 
 impl std::fmt::Display for Bounds {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Bounds::Any => "any number",
-            Bounds::Positive => "> 0",
-            Bounds::NonNegative => ">= 0",
-        })
+        match self {
+            Bounds::Any => f.write_str("any number"),
+            Bounds::Positive => f.write_str("> 0"),
+            Bounds::NonNegative => f.write_str(">= 0"),
+            Bounds::Within(least, f64::INFINITY) => write!(f, ">= {least}"),
+            Bounds::Within(f64::NEG_INFINITY, most) => write!(f, "<= {most}"),
+            Bounds::Within(least, most) => write!(f, "from {least} to {most}"),
+        }
     }
 }
 

@@ -19,6 +19,7 @@ mod summary;
 mod template;
 mod watch;
 mod wave;
+mod written;
 
 pub use describe::{models, one_model};
 pub use figures::redraw;

@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 #[derive(Serialize, Deserialize)]
 pub struct Checkpoint {
     pub branch: Branch,
+    /// The orbit that the system referred its phase to at the last point.
     pub orbit: Orbit,
     pub walk: WalkState,
     pub counts: Counts,

@@ -1,8 +1,9 @@
 //! A scene resolved against its model: the problem, its parameters, and what each task needs.
 
-use super::{equilibria, fold_curve, hopf_curve};
+use super::{equilibria, fold_curve, hopf_curve, written};
+use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
-use crate::problem::{Default, Observable, Problem, Tie, Tied};
+use crate::problem::{Automatic, Default, Observable, Problem, Tie, Tied};
 use crate::scene::{Expression, Fault, OptionValue, Place, Scene, SceneError, Task, TaskKind, Value, units};
 use num_dual::{Dual64, HyperDual64};
 use std::collections::BTreeSet;
@@ -11,6 +12,8 @@ use std::sync::Arc;
 /// What is computed on.
 pub struct Study {
     model: Arc<dyn Problem>,
+    /// The same model, if the scene wrote it.
+    text: Option<Arc<Text>>,
     /// Values of all parameters; entries of ties are filled in by the tied problem.
     values: Vec<f64>,
     ties: Vec<Law>,
@@ -81,7 +84,13 @@ impl Prepared {
 impl Study {
     /// Resolves model, options, parameters and ties, and checks everything that tasks name.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
-        let model = build(scene)?;
+        let (model, text) = match &scene.model.text {
+            None => (build(scene)?, None),
+            Some(words) => {
+                let text = written::build(scene, words)?;
+                (Arc::new(Automatic(text.clone())) as Arc<dyn Problem>, Some(text))
+            }
+        };
         let list = model.parameters();
         let names: Vec<&str> = list.iter().map(|q| q.name).collect();
         let mut values: Vec<f64> = list
@@ -130,7 +139,7 @@ impl Study {
             }
             values[target] = value;
         }
-        let mut study = Self { model, values, ties };
+        let mut study = Self { model, text, values, ties };
         study.sort(scene)?;
         study.check_values(scene)?;
         Ok(study)
@@ -172,6 +181,17 @@ impl Study {
             }
         }
         Ok(())
+    }
+
+    /// A model that was written in the scene must have values where a task begins.
+    fn check_start(&self, scene: &Scene, p: &[f64]) -> Result<(), SceneError> {
+        match (&self.text, &scene.model.text) {
+            (Some(text), Some(words)) => match text.complaint(p) {
+                Some(error) => Err(written::refuse(scene, words, error)),
+                None => Ok(()),
+            },
+            _ => Ok(()),
+        }
     }
 
     /// The problem with all ties but those of the free parameters.
@@ -253,6 +273,10 @@ impl Study {
                     return Err(scene.refuse(&range.at, message));
                 }
             }
+        }
+        if let TaskKind::Equilibria(equilibria) = &task.kind {
+            p[free] = equilibria.start.unwrap_or(along.range.from);
+            self.check_start(scene, &problem.resolve(&p))?;
         }
         let observables = self.wanted(scene, task)?;
         let waves = scene

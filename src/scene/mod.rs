@@ -5,7 +5,6 @@ mod calibration;
 mod entry;
 mod error;
 mod expect;
-pub mod expression;
 mod figure;
 mod label;
 mod map;
@@ -21,8 +20,8 @@ mod tree;
 pub mod units;
 
 pub use calibration::QUANTITIES;
-pub use error::{EntryError, Fault, SceneError, suggest};
-pub use expression::Expression;
+pub use crate::expression::Expression;
+pub use error::{EntryError, Fault, SceneError};
 pub use figure::FIGURE_KINDS;
 pub use label::{Label, POINT_KINDS};
 pub use task::TASK_KINDS;
@@ -75,9 +74,72 @@ impl Scene {
 /// `[model]`: a name and the model's own options (load = "uniform", functions = 28).
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
+    /// "text" for a model that the scene itself holds.
     pub name: String,
     pub at: Place,
     pub options: Vec<ModelOption>,
+    pub text: Option<ModelText>,
+}
+
+/// A model as text: `[model]` with `equations`.
+#[derive(Clone, Debug)]
+pub struct ModelText {
+    pub equations: Words,
+    /// Whole numbers by name.
+    pub constants: Vec<(String, i64, Place)>,
+    pub parameters: Vec<TextParameter>,
+    pub start: Vec<(String, Words)>,
+    pub observables: Vec<TextObservable>,
+    pub symmetry: Option<Words>,
+    pub time_unit: String,
+}
+
+/// `sigma = 10` or `sigma = { value = 10, unit = "", min = 0, max = 100, meaning = "Prandtl number" }`
+#[derive(Clone, Debug)]
+pub struct TextParameter {
+    pub name: String,
+    pub value: TextValue,
+    pub unit: String,
+    pub meaning: String,
+    pub least: f64,
+    pub most: f64,
+    pub at: Place,
+}
+
+#[derive(Clone, Debug)]
+pub enum TextValue {
+    Number(f64),
+    Tie(Words),
+}
+
+/// `energy = "x^2 + y^2"` or `energy = { expression = "x^2 + y^2", unit = "J", meaning = "energy" }`
+#[derive(Clone, Debug)]
+pub struct TextObservable {
+    pub name: String,
+    pub expression: Words,
+    pub unit: String,
+    pub meaning: String,
+}
+
+/// A string with its place, so that errors inside it can be found.
+#[derive(Clone, Debug)]
+pub struct Words {
+    pub text: String,
+    pub at: Place,
+    /// Line and column at which it begins in the file.
+    pub begins: Option<(usize, usize)>,
+}
+
+impl Words {
+    /// Line and column of a byte of the text.
+    pub fn position(&self, offset: usize) -> Option<(usize, usize)> {
+        let (line, column) = self.begins?;
+        let before = self.text.get(..offset).unwrap_or(&self.text);
+        Some(match before.rsplit_once('\n') {
+            None => (line, column + before.chars().count()),
+            Some((above, last)) => (line + above.matches('\n').count() + 1, last.chars().count() + 1),
+        })
+    }
 }
 
 #[derive(Clone, Debug)]

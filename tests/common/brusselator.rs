@@ -25,7 +25,7 @@ pub struct Brusselator {
 }
 
 impl Brusselator {
-    pub fn new(points: usize, banded: bool) -> Arc<dyn Problem> {
+    pub fn chain(points: usize, banded: bool) -> Arc<dyn Problem> {
         let structure = if banded { Structure::Banded { lower: 2, upper: 2 } } else { Structure::Dense };
         Arc::new(Automatic(Self { points, structure, parameters: vec![parameter("L", 0.4)] }))
     }
@@ -54,7 +54,7 @@ impl Formula for Brusselator {
     }
 
     fn structure(&self) -> Structure {
-        self.structure
+        self.structure.clone()
     }
 
     fn residual<S: Scalar>(&self, u: &[S], v: &[S], p: &[S], g: &mut [S]) {

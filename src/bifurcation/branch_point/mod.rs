@@ -18,7 +18,7 @@ mod form;
 
 pub use form::BranchForm;
 
-use super::steady::unit;
+use super::steady::{size, unit};
 use crate::continuation::Failure;
 use crate::linalg::{BorderedMatrix, Lu, Matrix, Singular, dot, finite};
 use crate::problem::{At, Direction, Problem};
@@ -116,7 +116,7 @@ impl Frame {
     fn new(place: &Place, at: At, c: &[Vec<f64>; 2], b: &[f64]) -> Result<Self, Singular> {
         let n = at.u.len();
         let (gu, mass) = place.problem.matrices(at);
-        let size = gu.norm_max().max(f64::MIN_POSITIVE);
+        let size = size(&gu);
         let mut e = vec![0.0; at.p.len()];
         e[place.free] = place.scales.parameter / place.scales.state;
         let mut by_parameter = vec![0.0; n];

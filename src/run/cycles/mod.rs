@@ -117,7 +117,7 @@ impl Cycles<'_> {
             if keeping {
                 keeper.keep(Checkpoint {
                     branch: self.branch.clone(),
-                    orbit: walk.system.orbit(&walk.state.point.x),
+                    orbit: walk.system.reference().clone(),
                     walk: walk.state.clone(),
                     counts: *counts,
                     seconds: before + start.elapsed().as_secs_f64(),
@@ -230,8 +230,9 @@ impl Cycles<'_> {
 
     /// Notes an accepted point; rows are made later.
     fn push(&mut self, system: &Collocation, point: &Point, factors: &OrbitFactors, kind: Option<Kind>) {
-        let transition = (self.task.multipliers > 0).then(|| factors.transition().to_owned());
-        self.pending.push(Pending::new(system, point, transition, kind));
+        let wanted = self.task.multipliers;
+        let multipliers = if wanted > 0 { factors.multipliers(Some(wanted)).ok() } else { None };
+        self.pending.push(Pending::new(system, point, multipliers, kind));
     }
 
     /// Points between two accepted ones where the parameter, the period or an observable's extreme is as wanted.

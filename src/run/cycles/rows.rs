@@ -7,10 +7,9 @@ use super::super::wave;
 use super::Cycles;
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Border, Counts, Factored, Point, System};
-use crate::orbit::{Collocation, Frame, Orbit, multipliers};
+use crate::orbit::{Collocation, Frame, Multipliers, Orbit, Stability};
 use crate::problem::{Problem, Reflection};
 use crate::scene;
-use faer::Mat;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -22,20 +21,20 @@ pub struct Pending {
     pub orbit: Orbit,
     pub tangent: Orbit,
     pub frame: Frame,
-    /// The condensed rows that multipliers come from, where they are asked for.
-    pub transition: Option<Mat<f64>>,
+    /// Where they are asked for and could be found.
+    pub multipliers: Option<Multipliers>,
     pub kind: Option<Kind>,
 }
 
 impl Pending {
-    pub fn new(system: &Collocation, point: &Point, transition: Option<Mat<f64>>, kind: Option<Kind>) -> Self {
+    pub fn new(system: &Collocation, point: &Point, multipliers: Option<Multipliers>, kind: Option<Kind>) -> Self {
         Self {
             lambda: point.lambda,
             tangent_lambda: point.tangent_lambda,
             orbit: system.orbit(&point.x),
             tangent: system.orbit(&point.tangent),
             frame: system.frame.clone(),
-            transition,
+            multipliers,
             kind,
         }
     }
@@ -118,21 +117,25 @@ impl Cycles<'_> {
         let measured = self.measure(orbit, &frame.symmetry, &p);
         let mut values: Vec<Option<f64>> = vec![Some(*lambda)];
         values.extend(measured.iter().copied().map(Some));
-        let found = point.transition.as_ref();
-        let found = found.and_then(|rows| multipliers(rows.as_ref(), &frame.symmetry, frame.parts).ok());
+        let found = point.multipliers.as_ref();
         if self.task.multipliers > 0 {
             for k in 0..self.task.multipliers.min(orbit.dim - 1) {
-                let mu = found.as_ref().and_then(|m| m.values.get(k));
+                let mu = found.and_then(|m| m.values.get(k));
                 values.extend([mu.map(|mu| mu.re), mu.map(|mu| mu.im)]);
             }
-            values.push(found.as_ref().map(|m| m.trivial_error));
+            values.push(found.map(|m| m.trivial_error));
         }
         if self.task.along.errors {
             let fine = self.refined(frame, orbit, *lambda);
             let errors = measured.iter().enumerate().map(|(k, &value)| fine.as_ref().map(|fine| error(value, fine[k])));
             values.extend(errors);
         }
-        Row { label: None, stable: found.map(|m| m.unstable() == 0), values }
+        let stable = found.map(Multipliers::verdict).and_then(|verdict| match verdict {
+            Stability::Stable => Some(true),
+            Stability::Unstable => Some(false),
+            Stability::Undecided => None,
+        });
+        Row { label: None, stable, values }
     }
 
     /// Makes the last row a special point.
