@@ -39,6 +39,7 @@ fn kind_of(label: &str) -> Option<Kind> {
     match label.trim_end_matches(|c: char| c.is_ascii_digit()) {
         "HB" => Some(Kind::HB),
         "LP" => Some(Kind::LP),
+        "BP" => Some(Kind::BP),
         "XP" => Some(Kind::XP),
         "KC" => Some(Kind::KC),
         "GH" => Some(Kind::GH),
@@ -58,6 +59,7 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
     match kind {
         Kind::HB => Some("Hopf point (HB)"),
         Kind::LP => Some("fold (LP)"),
+        Kind::BP => Some("branch point (BP)"),
         Kind::XP => Some("exceptional point (XP)"),
         Kind::KC => Some("two pairs meet on the axis (KC)"),
         Kind::GH => Some("generalised Hopf point (GH)"),
@@ -75,7 +77,7 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
 pub fn priority(kind: Kind) -> Option<u8> {
     match kind {
         Kind::HB | Kind::KC => Some(0),
-        Kind::LP | Kind::GH | Kind::BT | Kind::ZH | Kind::HH | Kind::CP => Some(1),
+        Kind::LP | Kind::BP | Kind::GH | Kind::BT | Kind::ZH | Kind::HH | Kind::CP => Some(1),
         Kind::MX => Some(2),
         Kind::UZ => Some(3),
         Kind::XP => Some(4),
@@ -97,6 +99,7 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
             canvas.disc(at, 3.7, INK)
         }
         Kind::LP => solid(canvas, &shape(&SQUARE)),
+        Kind::BP => solid(canvas, &shape(&CROSSING)),
         Kind::UZ => solid(canvas, &shape(&TRIANGLE)),
         Kind::GH => {
             canvas.disc(at, 4.6, INK)?;
@@ -140,6 +143,22 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
 }
 
 const SQUARE: [Point; 5] = [(-3.3, -3.3), (3.3, -3.3), (3.3, 3.3), (-3.3, 3.3), (-3.3, -3.3)];
+/// Two bars that cross.
+const CROSSING: [Point; 13] = [
+    (-4.4, -1.3),
+    (-1.3, -1.3),
+    (-1.3, -4.4),
+    (1.3, -4.4),
+    (1.3, -1.3),
+    (4.4, -1.3),
+    (4.4, 1.3),
+    (1.3, 1.3),
+    (1.3, 4.4),
+    (-1.3, 4.4),
+    (-1.3, 1.3),
+    (-4.4, 1.3),
+    (-4.4, -1.3),
+];
 const TRIANGLE: [Point; 4] = [(0.0, -4.2), (3.9, 3.0), (-3.9, 3.0), (0.0, -4.2)];
 const STANDING: [Point; 5] = [(0.0, -4.6), (4.6, 0.0), (0.0, 4.6), (-4.6, 0.0), (0.0, -4.6)];
 const DIAMOND: [Point; 5] = [(0.0, -4.2), (4.2, 0.0), (0.0, 4.2), (-4.2, 0.0), (0.0, -4.2)];

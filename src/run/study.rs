@@ -1,6 +1,6 @@
 //! A scene resolved against its model: the problem, its parameters, and what each task needs.
 
-use super::{fold_curve, hopf_curve, written};
+use super::{equilibria, fold_curve, hopf_curve, written};
 use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
 use crate::problem::{Automatic, Default, Observable, Problem, Tie, Tied};
@@ -300,7 +300,7 @@ impl Study {
     fn wanted(&self, scene: &Scene, task: &Task) -> Result<Vec<usize>, SceneError> {
         let along = task.kind.along();
         let own: &[&str] = match task.kind {
-            TaskKind::Equilibria(_) => &["omega", "frequency", "lyapunov", "growth"],
+            TaskKind::Equilibria(_) => &equilibria::VALUES,
             TaskKind::Cycles(_) => &["period", "frequency", "trivial_error"],
             TaskKind::HopfCurve(_) => &hopf_curve::VALUES,
             TaskKind::FoldCurve(_) => &fold_curve::VALUES,

@@ -3,7 +3,7 @@
 use super::{Fault, Task, TaskKind};
 
 /// Kinds of points that a scene can refer to.
-pub const POINT_KINDS: [&str; 11] = ["HB", "LP", "KC", "XP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP"];
+pub const POINT_KINDS: [&str; 12] = ["HB", "LP", "BP", "KC", "XP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP"];
 
 /// "straight/HB1": the first Hopf point of the task "straight".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,7 +74,7 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
             let looks = task.spectrum > 0 || task.detect.iter().any(|known| known == "HB");
             (!looks).then(|| "; give it spectrum = 4".to_owned())
         }
-        (_, TaskKind::Equilibria(_)) if !["HB", "LP"].contains(&kind) => {
+        (_, TaskKind::Equilibria(_)) if !["HB", "LP", "BP"].contains(&kind) => {
             Some(" (points of codimension two are on curves: kind = \"hopf-curve\" or \"fold-curve\")".to_owned())
         }
         (_, TaskKind::Equilibria(task)) if task.detect.iter().any(|known| known == kind) => None,
