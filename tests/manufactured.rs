@@ -11,7 +11,7 @@
 mod common;
 
 use common::{close, parameter};
-use hopfline::continuation::{Border, Corrected, Counts, System, correct};
+use hopfline::continuation::{Border, Corrected, Counts, correct};
 use hopfline::orbit::{Collocation, Frame, Orbit, OrbitFactors, Points, Scheme};
 use hopfline::problem::{Automatic, Formula, Parameter, Problem, Reflection, Scalar, check_derivatives};
 use proptest::prelude::*;

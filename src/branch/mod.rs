@@ -57,8 +57,12 @@ pub enum Kind {
     HB,
     /// Fold.
     LP,
+    /// Branch point: two branches cross.
+    BP,
     /// Exceptional point: two eigenvalues coalesce, a pair is born or dies on the real axis.
     XP,
+    /// Krein collision, 1:1 resonance: two pairs meet on the imaginary axis, where undamped motions are, and leave it.
+    KC,
     /// Generalised Hopf (Bautin) point: the first Lyapunov coefficient vanishes.
     GH,
     /// Bogdanov-Takens point: the frequency vanishes.

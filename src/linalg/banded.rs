@@ -220,6 +220,12 @@ impl BandedLu {
         }
     }
 
+    /// Sign of the determinant.
+    pub fn sign(&self) -> f64 {
+        let swapped = |k: usize| if self.swaps[k] == k { 1.0 } else { -1.0 };
+        (0..self.n).map(|k| swapped(k) * self.upper[k * (self.above + 1)].signum()).product()
+    }
+
     /// `A^-T b` in place.
     pub fn solve_transposed(&self, b: &mut [f64]) {
         let width = self.above + 1;

@@ -191,7 +191,7 @@ impl Collocation {
         for i in 0..m {
             let (u, v) = self.state(orbit, j, i);
             let at = At { u: &u, v: &v, p };
-            let (mut gu, mut gv) = (Matrix::zeros(structure, n), Matrix::zeros(structure, n));
+            let (mut gu, mut gv) = (Matrix::zeros(structure.clone(), n), Matrix::zeros(structure.clone(), n));
             self.frame.problem.linearise(at, &mut gu, &mut gv);
             self.frame.problem.derivative(at, &[Direction { u: &[], v: &[], p: &unit }], &mut by_lambda);
             // dG/dP = -G_v v / P.
@@ -321,7 +321,7 @@ impl OrbitFactors {
     }
 
     /// The intervals' transition maps along the computed part of the period.
-    pub fn transitions(&self) -> Result<Transitions, Singular> {
+    pub fn transitions(&self) -> Result<Transitions<'_>, Singular> {
         Transitions::new(&self.condensed.intervals())
     }
 }

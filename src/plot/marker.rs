@@ -36,10 +36,12 @@ pub fn marks(branch: &Branch) -> Vec<Mark> {
 
 /// The kind that a label begins with: "HB12" is a Hopf point.
 fn kind_of(label: &str) -> Option<Kind> {
-    const ALL: [Kind; 25] = [
+    const ALL: [Kind; 27] = [
         Kind::HB,
         Kind::LP,
+        Kind::BP,
         Kind::XP,
+        Kind::KC,
         Kind::GH,
         Kind::BT,
         Kind::ZH,
@@ -74,7 +76,9 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
     match kind {
         Kind::HB => Some("Hopf point (HB)"),
         Kind::LP => Some("fold (LP)"),
+        Kind::BP => Some("branch point (BP)"),
         Kind::XP => Some("exceptional point (XP)"),
+        Kind::KC => Some("two pairs meet on the axis (KC)"),
         Kind::GH => Some("generalised Hopf point (GH)"),
         Kind::BT => Some("Bogdanov-Takens point (BT)"),
         Kind::ZH => Some("zero-Hopf point (ZH)"),
@@ -103,7 +107,7 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
 /// Who gets a label first where there is not room for all. Ends of branches get none.
 pub fn priority(kind: Kind) -> Option<u8> {
     match kind {
-        Kind::HB => Some(0),
+        Kind::HB | Kind::KC => Some(0),
         Kind::MX => Some(2),
         Kind::UZ => Some(3),
         Kind::XP => Some(4),
@@ -126,15 +130,12 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
             canvas.disc(at, 3.7, INK)
         }
         Kind::LP | Kind::LPC => solid(canvas, &shape(&SQUARE)),
+        Kind::BP | Kind::BPC => solid(canvas, &shape(&CROSSING)),
         Kind::PD => solid(canvas, &shape(&HANGING)),
         Kind::NS => {
             canvas.disc(at, 4.6, INK)?;
             canvas.disc(at, 3.4, WHITE)?;
             canvas.line(&shape(&[(-2.4, 0.0), (2.4, 0.0)]), 1.1, INK)
-        }
-        Kind::BPC => {
-            canvas.line(&shape(&[(0.0, -4.2), (0.0, 4.2)]), 1.6, INK)?;
-            canvas.line(&shape(&[(-4.2, 0.0), (4.2, 0.0)]), 1.6, INK)
         }
         Kind::BT | Kind::R1 | Kind::R2 | Kind::R3 | Kind::R4 => solid(canvas, &shape(&STANDING)),
         Kind::GH | Kind::GPD | Kind::CH => {
@@ -161,6 +162,11 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
             canvas.fill(&diamond, WHITE)?;
             canvas.line(&diamond, 1.1, INK)
         }
+        Kind::KC => {
+            let diamond = shape(&DIAMOND);
+            canvas.line(&diamond, 1.8, WHITE)?;
+            canvas.fill(&diamond, INK)
+        }
         Kind::MX => {
             canvas.line(&shape(&[(-3.4, -3.4), (3.4, 3.4)]), 1.6, INK)?;
             canvas.line(&shape(&[(-3.4, 3.4), (3.4, -3.4)]), 1.6, INK)
@@ -174,6 +180,22 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
 }
 
 const SQUARE: [Point; 5] = [(-3.3, -3.3), (3.3, -3.3), (3.3, 3.3), (-3.3, 3.3), (-3.3, -3.3)];
+/// Two bars that cross.
+const CROSSING: [Point; 13] = [
+    (-4.4, -1.3),
+    (-1.3, -1.3),
+    (-1.3, -4.4),
+    (1.3, -4.4),
+    (1.3, -1.3),
+    (4.4, -1.3),
+    (4.4, 1.3),
+    (1.3, 1.3),
+    (1.3, 4.4),
+    (-1.3, 4.4),
+    (-1.3, 1.3),
+    (-4.4, 1.3),
+    (-4.4, -1.3),
+];
 const TRIANGLE: [Point; 4] = [(0.0, -4.2), (3.9, 3.0), (-3.9, 3.0), (0.0, -4.2)];
 const HANGING: [Point; 4] = [(0.0, 4.2), (3.9, -3.0), (-3.9, -3.0), (0.0, 4.2)];
 const STANDING: [Point; 5] = [(0.0, -4.6), (4.6, 0.0), (0.0, 4.6), (-4.6, 0.0), (0.0, -4.6)];

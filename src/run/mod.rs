@@ -98,6 +98,7 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
         if let Some((from, at)) = task.kind.from() {
             match task.kind {
                 TaskKind::FoldCurve(_) => start::check_fold(scene, from, at)?,
+                TaskKind::Equilibria(_) => start::check_equilibrium(scene, from, at)?,
                 TaskKind::LpcCurve(_) => start::check_cycle(scene, (from, at), "LPC", "a fold of cycles")?,
                 TaskKind::PdCurve(_) => start::check_cycle(scene, (from, at), "PD", "a period doubling")?,
                 TaskKind::NsCurve(_) => start::check_cycle(scene, (from, at), "NS", "a torus bifurcation")?,
@@ -178,7 +179,10 @@ fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper
         Err(reason) => Outcome::failed(cycle_curve::empty(prepared, &task.name, what), reason),
     };
     match &task.kind {
-        TaskKind::Equilibria(equilibria) => equilibria::run(prepared, &task.name, equilibria, watch),
+        TaskKind::Equilibria(equilibria) => match equilibria.from.as_ref().map(|(from, _)| source(from)).transpose() {
+            Ok(from) => equilibria::run(prepared, &task.name, equilibria, from, watch),
+            Err(reason) => Outcome::failed(equilibria::empty(&task.name, equilibria), reason),
+        },
         TaskKind::Cycles(cycles) => match source(&cycles.from) {
             Ok(from) => cycles::run(prepared, &task.name, cycles, from, keeper, watch),
             Err(reason) => Outcome::failed(cycles::empty(prepared, &task.name, cycles), reason),

@@ -40,12 +40,18 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
         };
         match &task.kind {
             TaskKind::Equilibria(e) => {
+                if let Some((from, _)) = &e.from {
+                    let _ = writeln!(out, "  computed: the branch from {from}, both ways");
+                }
                 let detect = e.detect.iter().any(|kind| kind == "HB");
                 let count = if detect { e.spectrum.max(4) } else { e.spectrum };
                 out +=
                     &yes_no(count > 0, format!("{count} leading eigenvalues at every point"), "no spectrum, no detect");
                 out += &yes_no(detect, "Hopf points with their normal form".into(), "detect has no HB");
-                out += &yes_no(e.detect.iter().any(|k| k == "LP"), "folds".into(), "detect has no LP");
+                let detects = |kind: &str| e.detect.iter().any(|known| known == kind);
+                out += &yes_no(detects("LP"), "folds with their normal form".into(), "detect has no LP");
+                let points = "branch points with their normal form, from a determinant's sign at every point";
+                out += &yes_no(detects("BP"), points.into(), "detect has no BP");
             }
             TaskKind::FoldCurve(curve) => {
                 let _ = writeln!(out, "  computed: folds from {}, both ways along the curve", curve.from);

@@ -91,6 +91,23 @@ pub fn check_fold(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneErro
     }
 }
 
+/// Branches of equilibria start at any equilibrium.
+pub fn check_equilibrium(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
+    let label = Label::parse(from);
+    let task = label.and_then(|label| scene.tasks.iter().find(|task| task.name == label.task));
+    match task.map(|task| &task.kind) {
+        Some(TaskKind::Equilibria(_) | TaskKind::HopfCurve(_) | TaskKind::FoldCurve(_) | TaskKind::Calibration(_)) => {
+            Ok(())
+        }
+        _ => Err(scene.refuse(
+            at,
+            format!(
+                "the start must be an equilibrium, such as \"TASK/BP1\" of a task of kind \"equilibria\", not {from:?}"
+            ),
+        )),
+    }
+}
+
 /// Whether a start is where cycles of another task double their period or branch.
 pub fn is_cycle(scene: &Scene, from: &str) -> bool {
     let of_cycles = |label: Label| {

@@ -1,6 +1,6 @@
 //! A scene resolved against its model: the problem, its parameters, and what each task needs.
 
-use super::{cycle_curve, cycles, fold_curve, hopf_curve, written};
+use super::{cycle_curve, cycles, equilibria, fold_curve, hopf_curve, written};
 use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
 use crate::orbit::bifurcations::Critical;
@@ -302,7 +302,7 @@ impl Study {
         let along = task.kind.along();
         let of_cycles = [&["period", "frequency", "trivial_error"][..], &cycles::VALUES].concat();
         let own: &[&str] = match task.kind {
-            TaskKind::Equilibria(_) => &["omega", "frequency", "lyapunov", "growth"],
+            TaskKind::Equilibria(_) => &equilibria::VALUES,
             TaskKind::Cycles(_) => &of_cycles,
             TaskKind::LpcCurve(_) => cycle_curve::values(Critical::Fold),
             TaskKind::PdCurve(_) => cycle_curve::values(Critical::Flip),

@@ -3,9 +3,9 @@
 use super::{Fault, Task, TaskKind};
 
 /// Kinds of points that a scene can refer to.
-pub const POINT_KINDS: [&str; 23] = [
-    "HB", "LP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP", "LPC", "PD", "NS", "BPC", "CPC", "GPD", "CH", "R1", "R2",
-    "R3", "R4", "LPPD", "LPNS", "PDNS",
+pub const POINT_KINDS: [&str; 26] = [
+    "HB", "LP", "BP", "KC", "XP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP", "LPC", "PD", "NS", "BPC", "CPC", "GPD",
+    "CH", "R1", "R2", "R3", "R4", "LPPD", "LPNS", "PDNS",
 ];
 
 /// What curves of critical cycles find, by the kind of the task.
@@ -84,10 +84,14 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         ("EP", _) => None,
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
         ("UZ", _) => None,
+        ("KC" | "XP", TaskKind::Equilibria(task)) => {
+            let looks = task.spectrum > 0 || task.detect.iter().any(|known| known == "HB");
+            (!looks).then(|| "; give it spectrum = 4".to_owned())
+        }
         ("LPC" | "PD" | "NS" | "BPC", TaskKind::Equilibria(_)) => {
             Some(" (these are points of cycles: kind = \"cycles\")".to_owned())
         }
-        (_, TaskKind::Equilibria(_)) if !["HB", "LP"].contains(&kind) => {
+        (_, TaskKind::Equilibria(_)) if !["HB", "LP", "BP"].contains(&kind) => {
             Some(" (points of codimension two are on curves: kind = \"hopf-curve\" or \"fold-curve\")".to_owned())
         }
         (_, TaskKind::Equilibria(task)) => missing(&task.detect, kind),

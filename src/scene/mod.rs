@@ -237,7 +237,8 @@ impl TaskKind {
     /// The point that the task starts from, "straight/HB1", and where the scene says so.
     pub fn from(&self) -> Option<(&str, &Place)> {
         match self {
-            TaskKind::Equilibria(_) | TaskKind::Map(_) => None,
+            TaskKind::Equilibria(task) => task.from.as_ref().map(|(from, at)| (from.as_str(), at)),
+            TaskKind::Map(_) => None,
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => Some((&task.from, &task.from_at)),
             TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => {
@@ -285,11 +286,13 @@ pub struct Along {
 #[derive(Clone, Debug)]
 pub struct Equilibria {
     pub along: Along,
-    /// Where in the range the branch is started, to be followed both ways; default: the lower end.
+    /// The point of another branch that this one starts from, "straight/BP1", and its place.
+    pub from: Option<(String, Place)>,
+    /// Where in the range the branch is started without one, to be followed both ways; default: the lower end.
     pub start: Option<f64>,
     /// Leading eigenvalues followed as continuous branches; 0: none.
     pub spectrum: usize,
-    /// Kinds of special points looked for: "HB", "LP".
+    /// Kinds of special points looked for: "HB", "LP", "BP".
     pub detect: Vec<String>,
 }
 

@@ -21,7 +21,7 @@ pub const TASK_KINDS: [&str; 10] = [
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
-const EQUILIBRIA: [&str; 4] = ["log", "start", "spectrum", "detect"];
+const EQUILIBRIA: [&str; 5] = ["log", "from", "start", "spectrum", "detect"];
 const CYCLES: [&str; 7] = ["from", "intervals", "degree", "points", "multipliers", "symmetry", "detect"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
 const CALIBRATION: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "targets", "starts", "errors"];
@@ -87,15 +87,27 @@ pub(super) fn read(
         }
         _ => {
             section.allow("key of an equilibria task", &[&COMMON[..], &EQUILIBRIA].concat())?;
-            TaskKind::Equilibria(equilibria(section)?)
+            TaskKind::Equilibria(equilibria(section, read, announced)?)
         }
     };
     Ok(Task { name, kind, at: section.at.clone() })
 }
 
-fn equilibria(section: &Section<'_>) -> Result<Equilibria, SceneError> {
+fn equilibria(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Result<Equilibria, SceneError> {
     let along = along::read(section)?;
+    let from = match section.get("from") {
+        Some(entry) => {
+            label::check(entry.text()?, read, announced).map_err(|fault| entry.error(fault))?;
+            if let Some(start) = section.get("start") {
+                return Err(start
+                    .error(Fault::Other("a branch starts at a point (from) or at a value (start); keep one".into())));
+            }
+            Some((entry.text()?.to_owned(), entry.at))
+        }
+        None => None,
+    };
     Ok(Equilibria {
+        from,
         start: match section.get("start") {
             Some(entry) => Some(inside(&entry, &along)?),
             None => None,
@@ -106,7 +118,7 @@ fn equilibria(section: &Section<'_>) -> Result<Equilibria, SceneError> {
             None => 0,
         },
         detect: match section.get("detect") {
-            Some(entry) => detect(&entry, &["HB", "LP"])?,
+            Some(entry) => detect(&entry, &["HB", "LP", "BP"])?,
             None => Vec::new(),
         },
     })
