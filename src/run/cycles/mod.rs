@@ -180,11 +180,10 @@ impl Cycles<'_> {
                 _ => None,
             };
             let ended = homoclinic.is_some() || step.stop == Some(Stop::RangeEnd);
-            let special = homoclinic.as_ref().map_or_else(Special::default, |end| Special {
-                values: vec![("homoclinic", end.lambda)],
-                errors: vec![("homoclinic".to_owned(), end.error)],
-                cosine: None,
-            });
+            let special = match &homoclinic {
+                Some(end) => self.end(&*walk.system, &step.to, end, counts),
+                None => Special::default(),
+            };
             let kind = ended.then_some(Kind::EP);
             let pending = self.pending(&*walk.system, &step.to, Some(&*step.factors), kind, special);
             self.pending.push(pending);
@@ -196,8 +195,8 @@ impl Cycles<'_> {
             if let Some(end) = homoclinic {
                 self.make_rows(counts);
                 return Ok(End::Recognised(format!(
-                    "the period grows without bound: a homoclinic orbit at {} = {} ± {:.0e}",
-                    along.free, end.lambda, end.error
+                    "the period grows without bound: a homoclinic orbit at {} = {}",
+                    along.free, end.lambda
                 )));
             }
             if let Some(stop) = step.stop {
