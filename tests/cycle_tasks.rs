@@ -7,8 +7,8 @@ use hopfline::run::{RunOptions, Summary, run};
 use hopfline::scene::Scene;
 use std::path::Path;
 
-/// A circle in (x, y) and a third variable that leaves zero at mu = 0: `q' = mu q - q³ + mixed q x²` is odd in q, and with
-/// (x, y) -> (-x, -y) the cycle is symmetric up to half a period. With `mixed = 0` all is exact.
+/// A circle in (x, y) and a third variable that leaves zero at mu = 0, and is back there at mu = 1/bend: with
+/// (x, y, q) -> (-x, -y, -q) the cycle with q = 0 is symmetric up to half a period. All is exact.
 fn symmetric(symmetry: &str, tasks: &str) -> String {
     format!(
         r#"
@@ -18,12 +18,13 @@ title = "A symmetric cycle"
 equations = """
 x' = (mu + 2)*x - y - x*(x^2 + y^2)
 y' = x + (mu + 2)*y - y*(x^2 + y^2)
-q' = mu*q - q^3
+q' = mu*(1 - bend*mu)*q - q^3
 """
 symmetry = "x -> -x, y -> -y, q -> -q"
 
 [model.parameters]
 mu = -3
+bend = 0
 
 [[task]]
 name = "rest"
@@ -89,6 +90,47 @@ fn a_symmetry_breaks_and_the_other_branch_is_followed() {
         let broken = point("broken/UZ1");
         close("q", broken.values["max q"].abs(), 0.8, 1e-9);
         close("q", broken.values["min q"].abs(), 0.8, 1e-9);
+    }
+}
+
+#[test]
+fn a_branch_that_comes_back_to_symmetric_cycles_ends_there() {
+    for symmetry in ["auto", "none"] {
+        let text = symmetric(symmetry, &BROKEN.replace("0.64", "0.25"));
+        let summary = summary(&text, &["model.parameters.bend=2"]).expect("a run");
+        let found: Vec<f64> = summary
+            .points
+            .iter()
+            .filter(|point| point.label.starts_with("cycles/BPC"))
+            .map(|point| point.parameters["mu"])
+            .collect();
+        assert_eq!(found.len(), 2);
+        near("first", found[0], 0.0, 1e-10);
+        near("second", found[1], 0.5, 1e-10);
+        let point = summary.points.iter().find(|point| point.label == "broken/UZ1").expect("a user value");
+        close("q", point.values["max q"].abs(), (0.25_f64 - 2.0 * 0.0625).sqrt(), 1e-9);
+        // Over the whole period the other branch is a pitchfork's, too; its own half tells nothing there.
+        if symmetry == "auto" {
+            let reason = &summary.tasks[2].reason;
+            assert!(reason.contains("symmetric cycles near mu = 0.5"), "{reason}");
+        }
+    }
+}
+
+#[test]
+fn a_branch_of_cycles_ends_at_the_other_hopf_point() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("problems/enzyme.toml");
+    let text = std::fs::read_to_string(path).expect("a scene");
+    let summary = summary(&text, &[]).expect("a run");
+    let reason = &summary.tasks[1].reason;
+    assert!(reason.contains("a Hopf point near rho = 4.65046"), "{reason}");
+    // The curve of folds leads from the one to the other, and a branch in one parameter finds the same fold elsewhere.
+    let point = |label: &str| summary.points.iter().find(|point| point.label == label).expect(label);
+    let other = self::summary(&text, &["model.parameters.kappa=0.12"]).expect("a run");
+    for (on_curve, alone) in [("folds/UZ1", "cycles/LPC2"), ("folds/UZ2", "cycles/LPC1")] {
+        let there = other.points.iter().find(|point| point.label == alone).expect("a fold");
+        close("rho", point(on_curve).parameters["rho"], there.parameters["rho"], 1e-9);
+        close("T", point(on_curve).values["period"], there.values["period"], 1e-9);
     }
 }
 
