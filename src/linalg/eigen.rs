@@ -47,9 +47,8 @@ pub fn pencil(a: MatRef<'_, f64>, m: MatRef<'_, f64>, shift: f64, vectors: usize
         .map(|(mu, j)| (c64::new(shift, 0.0) - mu.inv(), j))
         .collect();
     found.sort_by(|(x, _), (y, _)| y.re.total_cmp(&x.re));
-    let slower = |(x, _): &(c64, usize), (y, _): &(c64, usize)| {
-        x.im.abs().total_cmp(&y.im.abs()).then(y.im.total_cmp(&x.im))
-    };
+    let slower =
+        |(x, _): &(c64, usize), (y, _): &(c64, usize)| x.im.abs().total_cmp(&y.im.abs()).then(y.im.total_cmp(&x.im));
     found
         .chunk_by_mut(|(x, _), (y, _)| x.re - y.re <= ON_AXIS * x.norm().max(y.norm()))
         .for_each(|equal| equal.sort_by(slower));

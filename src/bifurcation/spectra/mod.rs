@@ -348,13 +348,14 @@ fn extrapolate(samples: &[Sample], i: usize) -> Vec<c64> {
     pairs.map(|(x, y)| if ratio <= 4.0 && same(x, y) { x + (x - y) * ratio } else { *x }).collect()
 }
 
-/// Branches that are among the `wanted` rightmost at some sample, by their first real part.
+/// Branches that are among the `wanted` rightmost at some sample, the slowest of those on the axis.
 pub fn leading(samples: &[Sample], wanted: usize) -> Vec<usize> {
     let count = samples.first().map_or(0, |s| s.followed.len());
     let mut shown = vec![false; count];
     for sample in samples {
         let mut order: Vec<usize> = (0..count).collect();
-        order.sort_by(|&j, &k| sample.followed[k].re.total_cmp(&sample.followed[j].re));
+        let (growth, speed) = (|k: usize| growth(sample.followed[k]), |k: usize| sample.followed[k].im.abs());
+        order.sort_by(|&j, &k| growth(k).total_cmp(&growth(j)).then(speed(j).total_cmp(&speed(k))));
         order.iter().take(wanted).for_each(|&k| shown[k] = true);
     }
     (0..count).filter(|&k| shown[k]).collect()

@@ -35,9 +35,8 @@ pub fn slopes(basis: &Basis, forces: &Forces<f64>, state: &State<'_, f64>) -> Sl
     let combine = |on_n: &dyn Fn(usize) -> f64, on_t: &dyn Fn(usize) -> f64| -> Planar {
         [scaled_rows(b, |i| on_t(i) * c[i] - on_n(i) * s[i]), scaled_rows(b, |i| on_t(i) * s[i] + on_n(i) * c[i])]
     };
-    let integrate = |columns: &Planar| -> Planar {
-        [0, 1].map(|d| product(basis.integral.as_ref(), columns[d].as_ref()))
-    };
+    let integrate =
+        |columns: &Planar| -> Planar { [0, 1].map(|d| product(basis.integral.as_ref(), columns[d].as_ref())) };
     let totals = |columns: &Planar| [0, 1].map(|d| times(&columns[d].transpose().to_owned(), &basis.w));
     let one = combine(&|_| 1.0, &|_| 0.0);
     let (displaced, reach) = (integrate(&one), totals(&one));

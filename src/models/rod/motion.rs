@@ -32,8 +32,7 @@ impl<S: Scalar> Motion<S> {
     /// `sum_i w_i q_k(x_i) n . F_i` for every function q_k: the virtual work of forces of which `beyond` is F, already
     /// times the weights, less the `moment` per length, not yet so.
     pub fn tested(&self, basis: &Basis, [x, y]: [&[S]; 2], moment: Option<&[S]>) -> Vec<S> {
-        let mut tested: Vec<S> =
-            (0..basis.points).map(|i| self.cosine[i] * y[i] - self.sine[i] * x[i]).collect();
+        let mut tested: Vec<S> = (0..basis.points).map(|i| self.cosine[i] * y[i] - self.sine[i] * x[i]).collect();
         if let Some(moment) = moment {
             tested.iter_mut().zip(moment.iter().zip(&basis.w)).for_each(|(t, (&m, &w))| *t -= m * w);
         }
