@@ -47,6 +47,8 @@ pub struct Spectra<'a> {
 
 /// Halvings of a step before eigenvalues that cannot be told apart are settled by distance alone.
 const MOST_HALVINGS: usize = 12;
+/// As many samples may be added to one step for that.
+const MOST_INSERTED: usize = 5 * MOST_HALVINGS;
 /// Eigenvalues closer than this part of the visible height need not be told apart.
 const BLUR: f64 = 0.002;
 /// Corners larger than this part of the spectrum's visible height are smoothed, by so many rounds of halving.
@@ -125,11 +127,11 @@ impl<'a> Spectra<'a> {
         self.meetings(samples, counts)?;
         let Some(first) = samples.first_mut() else { return Ok(()) };
         first.followed = first.values.iter().take(2 * self.wanted + 4).copied().collect();
-        // The step that is looked at ends at `end`; halved too often, all of it is settled by distance.
-        let (mut i, mut end, mut halvings, mut hopeless) = (1, 1, 0, false);
+        // The step that is looked at ends at `end`; after too many samples in it, the rest is settled by distance.
+        let (mut i, mut end, mut halvings, mut inserted) = (1, 1, 0, 0);
         while i < samples.len() {
             if i > end {
-                (end, halvings, hopeless) = (i, 0, false);
+                (end, halvings, inserted) = (i, 0, 0);
             }
             let meets = |s: &Sample| matches!(s.mark, Some(Mark::Exceptional(mean)) if mean.im > 0.0);
             let near_meeting = meets(&samples[i - 1]) || meets(&samples[i]);
@@ -142,8 +144,7 @@ impl<'a> Spectra<'a> {
             };
             let found = match follow(last, &guess, values, self.wanted, BLUR * height(self.wanted)) {
                 // Two pairs on one spot cannot be told apart, however close one looks.
-                Err(_) if halvings >= MOST_HALVINGS || hopeless || near_meeting => {
-                    hopeless |= !near_meeting;
+                Err(_) if halvings >= MOST_HALVINGS || inserted >= MOST_INSERTED || near_meeting => {
                     Ok(Followed { values: settle(&guess, values), coalesced: Vec::new() })
                 }
                 found => found,
@@ -151,7 +152,7 @@ impl<'a> Spectra<'a> {
             match found {
                 Err(_) => {
                     self.insert(samples, i, 0.5, counts)?;
-                    (end, halvings) = (end + 1, halvings + 1);
+                    (end, halvings, inserted) = (end + 1, halvings + 1, inserted + 1);
                 }
                 Ok(found) => {
                     let near = [&samples[i - 1], &samples[i]];
