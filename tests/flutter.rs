@@ -57,7 +57,7 @@ impl Rod {
 
     /// Some state or rate, smooth along the rod: coefficients fall off.
     fn some(&self, phase: f64, size: f64) -> Vec<f64> {
-        let part = if self.problem.dim() % 2 == 0 { self.problem.dim() / 2 } else { self.problem.dim() };
+        let part = if self.problem.dim().is_multiple_of(2) { self.problem.dim() / 2 } else { self.problem.dim() };
         (0..self.problem.dim()).map(|k| size * (phase + 1.7 * k as f64).sin() / (1 + k % part).pow(2) as f64).collect()
     }
 

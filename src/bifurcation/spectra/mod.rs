@@ -48,7 +48,7 @@ pub struct Spectra<'a> {
 /// Halvings of a step before eigenvalues that cannot be told apart are settled by distance alone.
 const MOST_HALVINGS: usize = 12;
 /// As many samples may be added to one step for that.
-const MOST_INSERTED: usize = 5 * MOST_HALVINGS;
+const MOST_INSERTED: usize = 2 * MOST_HALVINGS;
 /// Eigenvalues closer than this part of the visible height need not be told apart.
 const BLUR: f64 = 0.002;
 /// Corners larger than this part of the spectrum's visible height are smoothed, by so many rounds of halving.
