@@ -9,6 +9,7 @@ mod files;
 mod fold_curve;
 mod hopf_curve;
 mod hopf_surface;
+mod import;
 mod map;
 mod outcome;
 mod plan;
@@ -23,6 +24,7 @@ mod written;
 
 pub use describe::{models, one_model};
 pub use figures::redraw;
+pub use import::import;
 pub use plan::plan;
 pub use summary::{Expected, Summary};
 pub use template::template;

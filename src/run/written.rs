@@ -9,6 +9,11 @@ use std::sync::Arc;
 const COLUMNS: [&str; 8] =
     ["omega", "frequency", "lyapunov", "growth", "period", "trivial_error", "gap", "stable"];
 
+/// All names that results have and models must not.
+pub fn reserved() -> Vec<&'static str> {
+    COLUMNS.iter().chain(&hopf_curve::VALUES).chain(&fold_curve::VALUES).copied().collect()
+}
+
 pub fn build(scene: &Scene, model: &ModelText) -> Result<Arc<Text>, SceneError> {
     let written = Written {
         equations: model.equations.text.clone(),
@@ -37,9 +42,7 @@ pub fn build(scene: &Scene, model: &ModelText) -> Result<Arc<Text>, SceneError> 
             .collect(),
         symmetry: model.symmetry.as_ref().map(|words| words.text.clone()),
         time_unit: model.time_unit.clone(),
-        reserved: (COLUMNS.iter().chain(&hopf_curve::VALUES).chain(&fold_curve::VALUES))
-            .map(|name| (*name).to_owned())
-            .collect(),
+        reserved: reserved().into_iter().map(str::to_owned).collect(),
     };
     text::build(&written).map_err(|error| refuse(scene, model, error))
 }
