@@ -137,8 +137,8 @@ fn errors_point_at_line_and_column() {
     assert_eq!(load(SCENE, &[]), Ok(()));
     for (from, to, expected) in [
         ("R = a/(1 + x)", "R = a/(1 + xx)", "chain.toml:7:12: model.equations: unknown name \"xx\""),
-        ("- 2*u[i]", "- 2 u[i]", "chain.toml:4:25: model.equations: expected an operator"),
-        ("u[N+1] = 1", "", "chain.toml:4:29: model.equations: u[21] is not defined, only u[0] to u[20]"),
+        ("- 2*u[i]", "- 2 u[i]", "chain.toml:4:23: model.equations: expected an operator"),
+        ("u[N+1] = 1", "", "chain.toml:4:30: model.equations: u[21] is not defined, only u[0] to u[20]"),
         ("x' = sum", "x' = summ", "chain.toml:5:6: model.equations: unknown function"),
         ("1 + x)", "x)", "chain.toml:7:6: model.equations: the equation of x is not finite at the start: 0 is divided by zero"),
         ("u = \"a/2\"", "u = \"a/c\"", "chain.toml:16:8: model.start.u: unknown name \"c\""),
@@ -160,7 +160,7 @@ fn errors_point_at_line_and_column() {
 
 #[test]
 fn values_are_laid_over_text_models() {
-    for sets in [["model.N=40", "parameters.D=3"], ["model.parameters.a=2", "parameters.a=D/4"]] {
+    for sets in [["model.N=40", "parameters.D=3"], ["model.parameters.a=2", "parameters.D=a/4 + 1"]] {
         assert_eq!(load(SCENE, &sets), Ok(()), "{sets:?}");
     }
     let error = load(SCENE, &["model.N=0"]).expect_err("an empty range");
@@ -171,6 +171,21 @@ fn values_are_laid_over_text_models() {
     assert!(error.starts_with("chain.toml: --set model.equations=x' = y: model.equations"), "{error}");
     let error = load(SCENE, &["parameters.D={ value = 1, unit = \"s\" }"]).expect_err("no fit");
     assert!(error.contains("do not fit"), "{error}");
+}
+
+/// The scene in the README is complete; its equilibria have trace zero at v² = 1 - eps b.
+#[test]
+fn the_readme_example_runs() {
+    let readme = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap();
+    let section = readme.split("## Write a model as text").nth(1).unwrap();
+    let example = section.split("```toml\n").nth(1).unwrap().split("```").next().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let scene = Scene::parse(example, Path::new("neuron.toml"), &[]).unwrap();
+    let options = run::RunOptions { out: folder.path().to_owned(), only: Vec::new(), resume: false, quiet: true };
+    let summary = run::run(&scene, &options).unwrap();
+    let hopf = summary.points.iter().find(|point| point.label == "rest/HB1").unwrap();
+    let v = -(1.0_f64 - 0.08 * 0.8).sqrt();
+    close("I", hopf.parameters["I"], (v + 0.7) / 0.8 - v + v.powi(3) / 3.0, 1e-12);
 }
 
 fn ode(name: &str) -> PathBuf {
@@ -240,6 +255,7 @@ fn what_cannot_be_imported_is_said_with_its_line() {
         "unsupported.ode:6: expected NAME = NUMBER, found \"a = b\"",
         "unsupported.ode:7: unknown name gamm; did you mean gamma?",
         "unsupported.ode:8: the function delay is not supported",
+        "unsupported.ode:10: time t in a right-hand side is not supported",
     ] {
         assert!(error.contains(expected), "{expected}: {error}");
     }
