@@ -25,13 +25,11 @@ fn assert_same(native: &dyn Problem, text: &dyn Problem, p: &[f64]) {
     assert_eq!(text.dim(), n);
     let (u, v, a, b) = (numbers(0.3, n), numbers(1.1, n), numbers(2.3, n), numbers(3.9, n));
     let (q, at) = (numbers(5.0, p.len()), At { u: &u, v: &v, p });
-    let directions = [
-        Direction { u: &a, v: &b, p: &q },
-        Direction { u: &b, v: &a, p: &[] },
-        Direction { u: &v, v: &u, p: &[] },
-    ];
+    let directions =
+        [Direction { u: &a, v: &b, p: &q }, Direction { u: &b, v: &a, p: &[] }, Direction { u: &v, v: &u, p: &[] }];
     type Evaluate<'a> = Box<dyn Fn(&dyn Problem, &mut [f64]) + 'a>;
-    let mut all: Vec<(String, Evaluate)> = vec![("residual".into(), Box::new(|problem, out| problem.residual(at, out)))];
+    let mut all: Vec<(String, Evaluate)> =
+        vec![("residual".into(), Box::new(|problem, out| problem.residual(at, out)))];
     for k in 1..=3 {
         let d = &directions[..k];
         all.push((format!("derivative {k}"), Box::new(move |problem, out| problem.derivative(at, d, out))));
@@ -140,17 +138,33 @@ fn errors_point_at_line_and_column() {
         ("- 2*u[i]", "- 2 u[i]", "chain.toml:4:23: model.equations: expected an operator"),
         ("u[N+1] = 1", "", "chain.toml:4:30: model.equations: u[21] is not defined, only u[0] to u[20]"),
         ("x' = sum", "x' = summ", "chain.toml:5:6: model.equations: unknown function"),
-        ("1 + x)", "x)", "chain.toml:7:6: model.equations: the equation of x is not finite at the start: 0 is divided by zero"),
+        (
+            "1 + x)",
+            "x)",
+            "chain.toml:7:6: model.equations: the equation of x is not finite at the start: 0 is divided by zero",
+        ),
         ("u = \"a/2\"", "u = \"a/c\"", "chain.toml:16:8: model.start.u: unknown name \"c\""),
-        ("\"sum(u[i], i = 1..N)/N\"", "\"sum(u[i], i = 1..M)/N\"", "chain.toml:18:24: model.observables.mean: \"M\" is not a whole number"),
+        (
+            "\"sum(u[i], i = 1..N)/N\"",
+            "\"sum(u[i], i = 1..M)/N\"",
+            "chain.toml:18:24: model.observables.mean: \"M\" is not a whole number",
+        ),
         ("D = { value = 2,", "D = { value = -2,", "chain.toml:13: model.parameters.D: -2: must be >= 0"),
         ("N = 20", "N = 20.5", "chain.toml:12: model.N: must be a whole number"),
-        ("N = 20", "startt = \"x\"", "chain.toml:12: model.startt: unknown key of a model as text \"startt\" (did you mean \"start\"?)"),
+        (
+            "N = 20",
+            "startt = \"x\"",
+            "chain.toml:12: model.startt: unknown key of a model as text \"startt\" (did you mean \"start\"?)",
+        ),
         ("N = 20", "N = 20\nname = \"chain\"", "chain.toml:13: model.name: a model is either"),
         ("N = 20", "N = 20\nsymmetry = \"x -> -x\"", "model.symmetry: the symmetry does not hold"),
         ("a = 1\n", "a = 1\nomega = 1\n", "chain.toml:15: model.parameters.omega: \"omega\" is the name of a column"),
         ("a = 1\n", "a = \"D*b\"\n", "chain.toml:14:8: model.parameters.a: \"b\" is not a parameter"),
-        ("observables = [\"mean\"", "observables = [\"man\"", "unknown observable or column \"man\" (did you mean \"mean\"?)"),
+        (
+            "observables = [\"mean\"",
+            "observables = [\"man\"",
+            "unknown observable or column \"man\" (did you mean \"mean\"?)",
+        ),
         ("[model.start]", "[parameters]\nb = 2\n[model.start]", "parameters.b: unknown parameter \"b\""),
     ] {
         let error = load(&SCENE.replacen(from, to, 1), &[]).expect_err(from);
@@ -223,8 +237,19 @@ fn an_imported_model_is_the_one_in_the_file() {
     let scene = Scene::parse(&scene, Path::new("ml.toml"), &[]).unwrap();
     let words = scene.model.text.unwrap();
     let parameters: Vec<(&str, f64)> = [
-        ("vk", -84.0), ("vl", -60.0), ("vca", 120.0), ("i", 30.0), ("gk", 8.0), ("gl", 2.0), ("c", 20.0), ("v1", -1.2),
-        ("v2", 18.0), ("v3", 2.0), ("v4", 30.0), ("phi", 0.04), ("half", 15.0),
+        ("vk", -84.0),
+        ("vl", -60.0),
+        ("vca", 120.0),
+        ("i", 30.0),
+        ("gk", 8.0),
+        ("gl", 2.0),
+        ("c", 20.0),
+        ("v1", -1.2),
+        ("v2", 18.0),
+        ("v3", 2.0),
+        ("v4", 30.0),
+        ("phi", 0.04),
+        ("half", 15.0),
     ]
     .to_vec();
     let names: Vec<&str> = words.parameters.iter().map(|parameter| parameter.name.as_str()).collect();

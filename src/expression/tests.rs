@@ -149,9 +149,8 @@ fn extreme_powers_and_tanh_stay_finite() {
 fn nodes() -> impl Strategy<Value = Node> {
     let here = Offset::default();
     let name = || {
-        "[a-z_][a-z0-9_]{0,5}".prop_filter("reserved", |name| {
-            Function::named(name).is_none() && !RESERVED.contains(&name.as_str())
-        })
+        "[a-z_][a-z0-9_]{0,5}"
+            .prop_filter("reserved", |name| Function::named(name).is_none() && !RESERVED.contains(&name.as_str()))
     };
     let leaf = prop_oneof![
         (0.0..1e300f64).prop_map(Node::Number),
@@ -165,8 +164,11 @@ fn nodes() -> impl Strategy<Value = Node> {
         let several = proptest::collection::vec(inner.clone(), 1..3);
         prop_oneof![
             inner.clone().prop_map(|node| Node::Negate(Box::new(node))),
-            (0..Function::ALL.len(), inner.clone())
-                .prop_map(move |(i, node)| Node::Call(Function::ALL[i].1, Box::new(node), here)),
+            (0..Function::ALL.len(), inner.clone()).prop_map(move |(i, node)| Node::Call(
+                Function::ALL[i].1,
+                Box::new(node),
+                here
+            )),
             (0..5usize, inner.clone(), inner.clone()).prop_map(move |(i, left, right)| {
                 let operators =
                     [Operator::Add, Operator::Subtract, Operator::Multiply, Operator::Divide, Operator::Power];
@@ -204,7 +206,10 @@ fn offsets_point_into_the_text() {
     assert_eq!(all[1].right.offset(), Some(22));
     assert_eq!(all[1].ranges.len(), 1);
     let wrong = statements("x' = a\ny' = b c").expect_err("must be refused");
-    assert_eq!((wrong.offset, wrong.fault.to_string().as_str()), (14, "expected an operator, \"for\" or the end of the line, found \"c\""));
+    assert_eq!(
+        (wrong.offset, wrong.fault.to_string().as_str()),
+        (14, "expected an operator, \"for\" or the end of the line, found \"c\"")
+    );
 }
 
 proptest! {

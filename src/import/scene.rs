@@ -12,8 +12,7 @@ impl Imported {
         }
         out += "\"\"\"\n";
         let number = |value: &str| value.parse::<f64>().is_ok();
-        let sections =
-            [("parameters", &self.parameters), ("start", &self.start), ("observables", &self.observables)];
+        let sections = [("parameters", &self.parameters), ("start", &self.start), ("observables", &self.observables)];
         for (section, entries) in sections {
             if entries.is_empty() {
                 continue;

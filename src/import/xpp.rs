@@ -92,9 +92,12 @@ fn sort(line: &str) -> Result<Option<Line>, String> {
     }
     let first: String = line.chars().take_while(|c| c.is_ascii_alphanumeric() || *c == '_').collect();
     let rest = line[first.len()..].trim_start();
-    let keyword = !first.is_empty() && line[first.len()..].starts_with(char::is_whitespace) && !rest.starts_with(['=', '\'']);
+    let keyword =
+        !first.is_empty() && line[first.len()..].starts_with(char::is_whitespace) && !rest.starts_with(['=', '\'']);
     if keyword {
-        if let Some((_, what)) = REFUSED.iter().find(|(word, _)| first.starts_with(word) || first == word[..1] && *word == "bdry") {
+        if let Some((_, what)) =
+            REFUSED.iter().find(|(word, _)| first.starts_with(word) || first == word[..1] && *word == "bdry")
+        {
             return Err(format!("a scene has no {what}"));
         }
         return match first.as_str() {
@@ -108,7 +111,9 @@ fn sort(line: &str) -> Result<Option<Line>, String> {
                 assignments(rest).map(|list| Some(Line::Start(list)))
             }
             _ if first.starts_with('n') => assignments(rest).map(|list| Some(Line::Numbers(list))),
-            _ => Err(format!("cannot be read: {line}; known are x' = ..., par, init, number, aux, solv, f(x) = ..., done")),
+            _ => Err(format!(
+                "cannot be read: {line}; known are x' = ..., par, init, number, aux, solv, f(x) = ..., done"
+            )),
         };
     }
     let Some((left, right)) = line.split_once('=') else {
@@ -116,10 +121,13 @@ fn sort(line: &str) -> Result<Option<Line>, String> {
     };
     let (left, right) = (left.trim(), right.trim().to_owned());
     let is_name = |text: &str| {
-        text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_') && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+        text.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+            && text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
     };
     if left.contains('[') {
-        return Err("arrays of names, x[1..n], are not supported; a scene writes them as u[i]' = ... for i = 1..N".to_owned());
+        return Err(
+            "arrays of names, x[1..n], are not supported; a scene writes them as u[i]' = ... for i = 1..N".to_owned()
+        );
     }
     if left == "0" {
         return Ok(Some(Line::Algebraic { right }));
@@ -183,7 +191,10 @@ impl Names {
                     wrong.push(Remark { line: *line, message: format!("{name} is given twice") });
                 }
                 list.push(name.clone());
-                if Function::named(name).is_some() || RESERVED.contains(&name.as_str()) || reserved.contains(&name.as_str()) {
+                if Function::named(name).is_some()
+                    || RESERVED.contains(&name.as_str())
+                    || reserved.contains(&name.as_str())
+                {
                     let new = format!("{name}_");
                     notes.push(Remark { line: *line, message: format!("{name} is called {new}") });
                     names.renamed.insert(name.clone(), new);
@@ -202,7 +213,11 @@ impl Names {
         }
         // What `solv` lists and nothing else gives is an unknown of the algebraic equations.
         if lines.iter().any(|(_, sorted)| matches!(sorted, Line::Algebraic { .. })) {
-            for (name, _) in lines.iter().filter_map(|(_, sorted)| if let Line::Start(list) = sorted { Some(list) } else { None }).flatten() {
+            for (name, _) in lines
+                .iter()
+                .filter_map(|(_, sorted)| if let Line::Start(list) = sorted { Some(list) } else { None })
+                .flatten()
+            {
                 if !names.known.contains(name) {
                     names.known.push(name.clone());
                     names.states.push(name.clone());
@@ -276,7 +291,9 @@ impl Imported {
                 self.equations.push(format!("{}({}) = {body}", names.of(name), arguments.join(", ")));
             }
             Line::Derived { name, right } => self.parameters.push((names.of(name), names.translate(right, &[])?)),
-            Line::Parameters(list) => self.parameters.extend(list.iter().map(|(name, value)| (names.of(name), value.clone()))),
+            Line::Parameters(list) => {
+                self.parameters.extend(list.iter().map(|(name, value)| (names.of(name), value.clone())))
+            }
             Line::Numbers(list) => {
                 self.equations.extend(list.iter().map(|(name, value)| format!("{} = {value}", names.of(name))));
             }
@@ -288,7 +305,10 @@ impl Imported {
                         self.start.retain(|(known, _)| *known != names.of(name));
                         self.start.push((names.of(name), value));
                     } else {
-                        self.notes.push(Remark { line, message: format!("left out: the start of {name}, which is no unknown") });
+                        self.notes.push(Remark {
+                            line,
+                            message: format!("left out: the start of {name}, which is no unknown"),
+                        });
                     }
                 }
             }

@@ -173,8 +173,7 @@ impl BandedLu {
 
     /// `A^-1 B` in place; B has n rows of `columns` entries each, row by row.
     pub fn solve_many(&self, b: &mut [f64], columns: usize) {
-        // Compiled for each kind of vector unit, and chosen when the program runs.
-        pulp::Arch::new().dispatch(|| self.substitute(b, columns));
+        pulp::Arch::new().dispatch(Substitution { lu: self, b, columns });
     }
 
     #[inline(always)]
@@ -221,6 +220,12 @@ impl BandedLu {
         }
     }
 
+    /// Sign of the determinant.
+    pub fn sign(&self) -> f64 {
+        let swapped = |k: usize| if self.swaps[k] == k { 1.0 } else { -1.0 };
+        (0..self.n).map(|k| swapped(k) * self.upper[k * (self.above + 1)].signum()).product()
+    }
+
     /// `A^-T b` in place.
     pub fn solve_transposed(&self, b: &mut [f64]) {
         let width = self.above + 1;
@@ -237,6 +242,22 @@ impl BandedLu {
             b[k] -= super::dot(&multipliers[..below.len()], below);
             b.swap(k, self.swaps[k]);
         }
+    }
+}
+
+/// A call of [`BandedLu::substitute`], compiled for each kind of vector unit and chosen when the program runs.
+struct Substitution<'a> {
+    lu: &'a BandedLu,
+    b: &'a mut [f64],
+    columns: usize,
+}
+
+impl pulp::NullaryFnOnce for Substitution<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.lu.substitute(self.b, self.columns);
     }
 }
 

@@ -1,18 +1,27 @@
-//! Linear algebra, dense on faer and banded: factor once, solve often. Everything here runs on one thread; parallelism belongs
+//! Linear algebra, dense and sparse on faer, and banded: factor once, solve often. Everything here runs on one thread; parallelism belongs
 //! to those who have several systems to solve.
 
 mod banded;
+mod bordered;
 mod eigen;
+mod elimination;
+mod factors;
+mod krylov;
 mod lu;
 mod matrix;
 pub mod periodic;
 mod rightmost;
+mod sparse;
 
 pub use banded::{Banded, BandedLu};
-pub use eigen::{Eigenpair, pencil};
+pub use bordered::{BorderedMatrix, BorderedPencil};
+pub use eigen::{Eigenpair, growth, pencil};
+pub use factors::{Factors, PencilFactors};
+pub use krylov::{Leading, leading, nearest};
 pub use lu::{Bordered, Lu, Singular};
 pub use matrix::{Matrix, Structure};
 pub use rightmost::{EigenFailure, Rightmost, rightmost};
+pub use sparse::{Pattern, Sparse, SparseLu};
 
 pub use faer::c64;
 

@@ -27,27 +27,31 @@ pub trait Formula: Send + Sync {
         Structure::Dense
     }
 
-    /// `G_u` and `G_v` in matrices of that structure; by default with dual numbers, columns whose bands do not overlap
+    /// `G_u` and `G_v` in matrices of that structure; by default with dual numbers, columns without a row in common
     /// together (Curtis, Powell and Reid 1974, doi:10.1093/imamat/13.1.117). A model may know better.
     fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix) {
         let n = self.dim();
         let (mut u, mut v) = (lift(at.u), lift(at.v));
         let p = lift(at.p);
         let mut g = vec![Dual64::from_re(0.0); n];
-        let stride = match self.structure() {
-            Structure::Dense => n,
-            Structure::Banded { lower, upper } => (lower + upper + 1).min(n),
+        let groups: Vec<Vec<usize>> = match self.structure() {
+            Structure::Dense => (0..n).map(|j| vec![j]).collect(),
+            Structure::Banded { lower, upper } => {
+                let stride = (lower + upper + 1).min(n);
+                (0..stride).map(|first| (first..n).step_by(stride).collect()).collect()
+            }
+            Structure::Sparse(pattern) => pattern.groups().to_vec(),
         };
-        for first in 0..stride {
-            let seed = |x: &mut [Dual64], eps: f64| x.iter_mut().skip(first).step_by(stride).for_each(|x| x.eps = eps);
-            seed(&mut u, 1.0);
+        let seed = |x: &mut [Dual64], group: &[usize], eps: f64| group.iter().for_each(|&j| x[j].eps = eps);
+        for group in &groups {
+            seed(&mut u, group, 1.0);
             self.residual(&u, &v, &p, &mut g);
-            seed(&mut u, 0.0);
-            store(gu, (first, stride), &g);
-            seed(&mut v, 1.0);
+            seed(&mut u, group, 0.0);
+            store(gu, group, &g);
+            seed(&mut v, group, 1.0);
             self.residual(&u, &v, &p, &mut g);
-            seed(&mut v, 0.0);
-            store(gv, (first, stride), &g);
+            seed(&mut v, group, 0.0);
+            store(gv, group, &g);
         }
     }
 
@@ -84,17 +88,20 @@ pub trait Formula: Send + Sync {
     }
 }
 
-/// Derivatives with respect to columns `first`, `first + stride`, ...: each row knows which of them it depends on.
-fn store(matrix: &mut Matrix, (first, stride): (usize, usize), g: &[Dual64]) {
-    match matrix {
-        Matrix::Dense(a) => a.col_as_slice_mut(first).iter_mut().zip(g).for_each(|(a, g)| *a = g.eps),
-        Matrix::Banded(a) => {
-            for (i, g) in g.iter().enumerate() {
-                let columns = a.columns(i);
-                let skipped = (first + stride - columns.start % stride) % stride;
-                for entry in a.row_mut(i).iter_mut().skip(skipped).step_by(stride) {
-                    *entry = g.eps;
+/// Derivatives with respect to a group of columns that have no row in common.
+fn store(matrix: &mut Matrix, group: &[usize], g: &[Dual64]) {
+    for &j in group {
+        match matrix {
+            Matrix::Dense(a) => a.col_as_slice_mut(j).iter_mut().zip(g).for_each(|(a, g)| *a = g.eps),
+            Matrix::Banded(a) => {
+                for i in a.rows(j) {
+                    let first = a.columns(i).start;
+                    a.row_mut(i)[j - first] = g[i].eps;
                 }
+            }
+            Matrix::Sparse(a) => {
+                let (range, rows) = a.pattern.column(j);
+                a.values[range].iter_mut().zip(rows).for_each(|(value, &i)| *value = g[i].eps);
             }
         }
     }

@@ -161,11 +161,17 @@ pub trait Problem: Send + Sync {
     /// `gu = G_u`, `gv = G_v = M`; both `dim` by `dim` and of the problem's structure, overwritten.
     fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix);
 
-    /// Both as dense matrices, for what is done once at a point.
-    fn linearised(&self, at: At) -> (Mat<f64>, Mat<f64>) {
+    /// Both, in matrices of their own.
+    fn matrices(&self, at: At) -> (Matrix, Matrix) {
         let zeros = || Matrix::zeros(self.structure(), self.dim());
         let (mut gu, mut gv) = (zeros(), zeros());
         self.linearise(at, &mut gu, &mut gv);
+        (gu, gv)
+    }
+
+    /// Both as dense matrices, for what is done once at a point.
+    fn linearised(&self, at: At) -> (Mat<f64>, Mat<f64>) {
+        let (gu, gv) = self.matrices(at);
         (gu.into_dense(), gv.into_dense())
     }
 

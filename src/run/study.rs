@@ -1,9 +1,10 @@
 //! A scene resolved against its model: the problem, its parameters, and what each task needs.
 
-use super::{fold_curve, hopf_curve, written};
+use super::{cycle_curve, cycles, equilibria, fold_curve, hopf_curve, written};
 use crate::linalg::Structure;
 use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
+use crate::orbit::bifurcations::Critical;
 use crate::problem::{Automatic, Default, Observable, Problem, Tie, Tied};
 use crate::scene::{Expression, Fault, OptionValue, Place, Scene, SceneError, Task, TaskKind, Value, units};
 use num_dual::{Dual64, HyperDual64};
@@ -304,9 +305,13 @@ impl Study {
     /// Observables that the task, its figures or expectations name; an unknown name is an error.
     fn wanted(&self, scene: &Scene, task: &Task) -> Result<Vec<usize>, SceneError> {
         let along = task.kind.along();
+        let of_cycles = [&["period", "frequency", "trivial_error"][..], &cycles::VALUES].concat();
         let own: &[&str] = match task.kind {
-            TaskKind::Equilibria(_) => &["omega", "frequency", "lyapunov", "growth"],
-            TaskKind::Cycles(_) => &["period", "frequency", "trivial_error"],
+            TaskKind::Equilibria(_) => &equilibria::VALUES,
+            TaskKind::Cycles(_) => &of_cycles,
+            TaskKind::LpcCurve(_) => cycle_curve::values(Critical::Fold),
+            TaskKind::PdCurve(_) => cycle_curve::values(Critical::Flip),
+            TaskKind::NsCurve(_) => cycle_curve::values(Critical::Torus),
             TaskKind::HopfCurve(_) => &hopf_curve::VALUES,
             TaskKind::FoldCurve(_) => &fold_curve::VALUES,
             TaskKind::Calibration(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im"],
@@ -345,9 +350,11 @@ impl Study {
                 let extremes = list.iter().flat_map(|o| [format!("max {}", o.name), format!("min {}", o.name)]);
                 ["period".to_owned(), "frequency".to_owned()].into_iter().chain(extremes).collect()
             }
-            TaskKind::HopfCurve(_) | TaskKind::FoldCurve(_) => {
-                along.others.iter().map(|axis| axis.name.clone()).collect()
-            }
+            TaskKind::HopfCurve(_)
+            | TaskKind::FoldCurve(_)
+            | TaskKind::LpcCurve(_)
+            | TaskKind::PdCurve(_)
+            | TaskKind::NsCurve(_) => along.others.iter().map(|axis| axis.name.clone()).collect(),
             TaskKind::Calibration(_) | TaskKind::Map(_) | TaskKind::HopfSurface(_) => Vec::new(),
         };
         for name in along.values.keys().filter(|name| **name != along.free) {

@@ -19,8 +19,8 @@ mod tests;
 mod tree;
 pub mod units;
 
-pub use calibration::QUANTITIES;
 pub use crate::expression::Expression;
+pub use calibration::QUANTITIES;
 pub use error::{EntryError, Fault, SceneError};
 pub use figure::FIGURE_KINDS;
 pub use label::{Label, POINT_KINDS};
@@ -189,6 +189,9 @@ pub enum TaskKind {
     Cycles(Cycles),
     HopfCurve(Curve),
     FoldCurve(Curve),
+    LpcCurve(Curve),
+    PdCurve(Curve),
+    NsCurve(Curve),
     Calibration(Calibration),
     Map(Map),
     HopfSurface(Surface),
@@ -210,6 +213,9 @@ impl TaskKind {
             TaskKind::Cycles(_) => "cycles",
             TaskKind::HopfCurve(_) => "hopf-curve",
             TaskKind::FoldCurve(_) => "fold-curve",
+            TaskKind::LpcCurve(_) => "lpc-curve",
+            TaskKind::PdCurve(_) => "pd-curve",
+            TaskKind::NsCurve(_) => "ns-curve",
             TaskKind::Calibration(_) => "calibration",
             TaskKind::Map(_) => "map",
             TaskKind::HopfSurface(_) => "hopf-surface",
@@ -221,6 +227,7 @@ impl TaskKind {
             TaskKind::Equilibria(task) => &task.along,
             TaskKind::Cycles(task) => &task.along,
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => &task.along,
+            TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => &task.along,
             TaskKind::Calibration(task) => &task.along,
             TaskKind::Map(task) => &task.along,
             TaskKind::HopfSurface(task) => &task.along,
@@ -230,9 +237,13 @@ impl TaskKind {
     /// The point that the task starts from, "straight/HB1", and where the scene says so.
     pub fn from(&self) -> Option<(&str, &Place)> {
         match self {
-            TaskKind::Equilibria(_) | TaskKind::Map(_) => None,
+            TaskKind::Equilibria(task) => task.from.as_ref().map(|(from, at)| (from.as_str(), at)),
+            TaskKind::Map(_) => None,
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => Some((&task.from, &task.from_at)),
+            TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => {
+                Some((&task.from, &task.from_at))
+            }
             TaskKind::Calibration(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfSurface(task) => Some((&task.from, &task.from_at)),
         }
@@ -275,11 +286,13 @@ pub struct Along {
 #[derive(Clone, Debug)]
 pub struct Equilibria {
     pub along: Along,
-    /// Where in the range the branch is started, to be followed both ways; default: the lower end.
+    /// The point of another branch that this one starts from, "straight/BP1", and its place.
+    pub from: Option<(String, Place)>,
+    /// Where in the range the branch is started without one, to be followed both ways; default: the lower end.
     pub start: Option<f64>,
     /// Leading eigenvalues followed as continuous branches; 0: none.
     pub spectrum: usize,
-    /// Kinds of special points looked for: "HB", "LP".
+    /// Kinds of special points looked for: "HB", "LP", "BP".
     pub detect: Vec<String>,
 }
 
@@ -287,11 +300,12 @@ pub struct Equilibria {
 #[derive(Clone, Debug)]
 pub struct Cycles {
     pub along: Along,
-    /// "straight/HB1".
+    /// "straight/HB1", or where other cycles bifurcate: "beat/PD1", "beat/BPC1".
     pub from: String,
     pub from_at: Place,
-    /// Mesh intervals over the computed part of the period. Default 20.
-    pub intervals: usize,
+    /// Mesh intervals over the computed part of the period; None, the default: 20, or as many as the cycles have that
+    /// they start from, twice as many for twice the period.
+    pub intervals: Option<usize>,
     /// Degree of the collocation polynomials, 2-7. Default 4.
     pub degree: usize,
     /// `points = "radau"` (default): right for stiff problems, order 2m - 1; `"gauss"`: order 2m.
@@ -300,9 +314,11 @@ pub struct Cycles {
     pub multipliers: usize,
     /// `symmetry = "auto"` (default) uses half a period where the model allows; "none" the full one.
     pub symmetry: bool,
+    /// Kinds of special points looked for: "LPC", "PD", "NS", "BPC".
+    pub detect: Vec<String>,
 }
 
-/// `kind = "hopf-curve"` or `"fold-curve"`.
+/// `kind = "hopf-curve"`, `"fold-curve"`, `"lpc-curve"`, `"pd-curve"` or `"ns-curve"`.
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// Two parameters; only the second must have a range.

@@ -54,7 +54,7 @@ impl Formula for Brusselator {
     }
 
     fn structure(&self) -> Structure {
-        self.structure
+        self.structure.clone()
     }
 
     fn residual<S: Scalar>(&self, u: &[S], v: &[S], p: &[S], g: &mut [S]) {

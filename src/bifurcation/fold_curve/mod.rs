@@ -18,7 +18,7 @@ pub use blocks::FoldFactors;
 pub use segment::{FoldSegment, FoldTest};
 
 use super::coordinate::Coordinate;
-use super::steady::Steady;
+use super::steady::{Steady, unit};
 use crate::continuation::{Border, Counts, Failure, Point, System, correct, inner};
 use crate::linalg::{Singular, c64, dot, pencil};
 use crate::problem::{At, Direction, Problem};
@@ -188,9 +188,4 @@ impl System for FoldCurve {
         }
         false
     }
-}
-
-fn unit(x: &[f64]) -> Vec<f64> {
-    let size = dot(x, x).sqrt();
-    x.iter().map(|x| x / size).collect()
 }

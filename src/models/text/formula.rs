@@ -44,7 +44,7 @@ impl Formula for Arc<Text> {
     }
 
     fn structure(&self) -> Structure {
-        self.structure
+        self.structure.clone()
     }
 
     fn start(&self, p: &[f64]) -> Vec<f64> {

@@ -48,7 +48,13 @@ impl Linearisation {
 }
 
 impl Filling {
-    fn fill(&self, matrix: &mut Matrix, x: &mut [Dual64], g: &mut [Dual64], evaluate: impl Fn(&[Dual64], &mut [Dual64])) {
+    fn fill(
+        &self,
+        matrix: &mut Matrix,
+        x: &mut [Dual64],
+        g: &mut [Dual64],
+        evaluate: impl Fn(&[Dual64], &mut [Dual64]),
+    ) {
         clear(matrix);
         match self {
             Filling::Constant(entries) => {
@@ -70,6 +76,7 @@ fn clear(matrix: &mut Matrix) {
     match matrix {
         Matrix::Dense(a) => a.fill(0.0),
         Matrix::Banded(a) => a.fill(0.0),
+        Matrix::Sparse(a) => a.values.fill(0.0),
     }
 }
 
@@ -79,6 +86,12 @@ fn put(matrix: &mut Matrix, i: usize, j: usize, value: f64) {
         Matrix::Banded(a) => {
             let first = a.columns(i).start;
             a.row_mut(i)[j - first] = value;
+        }
+        Matrix::Sparse(a) => {
+            let (range, rows) = a.pattern.column(j);
+            if let Ok(k) = rows.binary_search(&i) {
+                a.values[range.start + k] = value;
+            }
         }
     }
 }
