@@ -10,6 +10,7 @@ mod files;
 mod fold_curve;
 mod hopf_curve;
 mod hopf_surface;
+mod import;
 mod map;
 mod outcome;
 mod plan;
@@ -26,6 +27,7 @@ mod written;
 
 pub use describe::{models, one_model};
 pub use figures::redraw;
+pub use import::import;
 pub use plan::plan;
 pub use summary::{Expected, Summary};
 pub use template::template;

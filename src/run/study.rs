@@ -1,6 +1,7 @@
 //! A scene resolved against its model: the problem, its parameters, and what each task needs.
 
 use super::{cycle_curve, cycles, equilibria, fold_curve, hopf_curve, written};
+use crate::linalg::Structure;
 use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
 use crate::orbit::bifurcations::Critical;
@@ -214,6 +215,10 @@ impl Study {
 
     pub fn picture_unit(&self) -> &'static str {
         self.model.picture_unit()
+    }
+
+    pub fn structure(&self) -> Structure {
+        self.model.structure()
     }
 
     pub fn dim(&self) -> usize {
