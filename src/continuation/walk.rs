@@ -11,6 +11,8 @@ use thiserror::Error;
 pub enum Stop {
     #[error("end of the range")]
     RangeEnd,
+    #[error("end of the box")]
+    BoxEnd,
     #[error("the branch closed on itself")]
     Closed,
     #[error("max_points reached")]

@@ -53,6 +53,23 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 let points = "branch points with their normal form, from a determinant's sign at every point";
                 out += &yes_no(detects("BP"), points.into(), "detect has no BP");
             }
+            TaskKind::Diagram(d) => {
+                let more = if d.deflate.is_empty() { "" } else { " and those that deflation finds" };
+                let _ = writeln!(
+                    out,
+                    "  computed: branches from the model's start and {} states{more}, and all that branch off within {} switches, \
+                     at most {}",
+                    d.states.len(),
+                    d.depth,
+                    d.max_branches
+                );
+                let count = d.equilibria.spectrum.max(4);
+                let _ = writeln!(
+                    out,
+                    "  computed: {count} leading eigenvalues at every point; Hopf points, folds and branch points with their normal form"
+                );
+                out += &yes_no(d.cycles.is_some(), "cycles from every Hopf point".into(), "cycles = false");
+            }
             TaskKind::FoldCurve(curve) => {
                 let _ = writeln!(out, "  computed: folds from {}, both ways along the curve", curve.from);
                 out += "  computed: points of codimension two (CP, BT, ZH)\n";
@@ -99,7 +116,7 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                     &yes_no(multipliers, "Floquet multipliers and stability".into(), "multipliers are not asked for");
             }
         }
-        if let TaskKind::Equilibria(_) | TaskKind::Cycles(_) | TaskKind::FoldCurve(_) = task.kind {
+        if let TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::Cycles(_) | TaskKind::FoldCurve(_) = task.kind {
             let list = ready.study.observables();
             let wanted: Vec<&str> = prepared.observables.iter().map(|&i| list[i].name).collect();
             let others: Vec<&str> = list.iter().map(|o| o.name).filter(|name| !wanted.contains(name)).collect();

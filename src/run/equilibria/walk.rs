@@ -16,6 +16,15 @@ pub struct Walked {
     pub stop: Stop,
 }
 
+/// What of a branch is wanted.
+pub struct Wanted<'a> {
+    pub along: &'a scene::Along,
+    /// The determinants' signs.
+    pub signed: bool,
+    /// Only points for which this holds are gone on from.
+    pub inside: &'a dyn Fn(&Point) -> bool,
+}
+
 /// Largest step in parts of the range.
 const LARGEST_STEP: f64 = 0.02;
 
@@ -23,7 +32,7 @@ const LARGEST_STEP: f64 = 0.02;
 pub fn walk(
     system: &mut Equilibria,
     (first, sign): (Point, Option<f64>),
-    (along, signed): (&scene::Along, bool),
+    Wanted { along, signed, inside }: Wanted,
     watch: &Watch,
     counts: &mut Counts,
 ) -> Walked {
@@ -49,6 +58,9 @@ pub fn walk(
                     found.push((step.to, signed.then(|| step.factors.sign())));
                     if let Some(stop) = step.stop {
                         break stop;
+                    }
+                    if found.last().is_some_and(|(point, _)| !inside(point)) {
+                        break Stop::BoxEnd;
                     }
                 }
                 Err(stop) => break stop,
