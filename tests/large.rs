@@ -90,7 +90,8 @@ fn fold(points: usize, dimension: usize) -> (f64, f64, Counts) {
     }
     counts += walk.counts;
     folds(&still, &mut samples, &mut counts).unwrap();
-    let found: Vec<_> = samples.iter().filter_map(|s| if let Some(Mark::Fold(f)) = &s.mark { f.clone() } else { None }).collect();
+    let found: Vec<_> =
+        samples.iter().filter_map(|s| if let Some(Mark::Fold(f)) = &s.mark { f.clone() } else { None }).collect();
     assert_eq!(found.len(), 1);
     let top = found[0].u.iter().fold(0.0_f64, |most, u| most.max(*u));
     (found[0].p[0], top, counts)
@@ -194,8 +195,10 @@ fn hopf_points_of_a_long_chain() {
     tool.follow(&mut samples, &mut counts).unwrap();
     tool.hopf_points(&mut samples, &mut counts).unwrap();
     println!("{} samples, {counts:?}, {:?}", samples.len(), begin.elapsed());
-    let found: Vec<_> =
-        samples.iter().filter_map(|s| if let Some(Mark::Hopf(hopf)) = &s.mark { Some(hopf.clone()) } else { None }).collect();
+    let found: Vec<_> = samples
+        .iter()
+        .filter_map(|s| if let Some(Mark::Hopf(hopf)) = &s.mark { Some(hopf.clone()) } else { None })
+        .collect();
     assert_eq!(found.len(), 1);
     close("L", found[0].0.p[0], Brusselator::onset(points), 1e-10);
     close("omega", found[0].0.omega, 2.13950928953347, 1e-9);

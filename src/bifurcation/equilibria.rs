@@ -1,8 +1,8 @@
 //! Equilibria `G(u, 0, p) = 0` as a curve in one parameter, or in its logarithm.
 
 use super::Coordinate;
-use crate::continuation::{Border, Factored, System};
-use crate::linalg::{BorderedMatrix, Eigenpair, Leading, Singular, Structure, leading, pencil};
+use crate::continuation::{Border, Factored, Point, System, inner};
+use crate::linalg::{BorderedMatrix, Eigenpair, Leading, Singular, Structure, dot, leading, pencil};
 use crate::problem::{At, Direction, Problem};
 use std::sync::Arc;
 
@@ -39,7 +39,14 @@ pub const ALL_EIGENVALUES: usize = 256;
 impl Equilibria {
     /// The eigenvalues that matter for stability: all of them, or for large problems with structure at least `count` of
     /// the leading ones (see [`crate::linalg::leading`]).
-    pub fn leading(&self, u: &[f64], lambda: f64, shift: f64, count: usize, vectors: usize) -> Result<Leading, Singular> {
+    pub fn leading(
+        &self,
+        u: &[f64],
+        lambda: f64,
+        shift: f64,
+        count: usize,
+        vectors: usize,
+    ) -> Result<Leading, Singular> {
         if u.len() <= ALL_EIGENVALUES || self.problem.structure() == Structure::Dense {
             let pairs = self.spectrum(u, lambda, shift, vectors)?;
             return Ok(Leading { pairs, covered: f64::INFINITY, bound: None });
@@ -47,6 +54,21 @@ impl Equilibria {
         let (rest, p) = (vec![0.0; u.len()], self.parameters(lambda));
         let (gu, gv) = self.problem.matrices(At { u, v: &rest, p: &p });
         leading(&gu, &gv, shift, count).map_err(|_| Singular)
+    }
+}
+
+/// A state larger than this many scales makes a new scale.
+const OUTGROWN: f64 = 2.0;
+
+impl Equilibria {
+    /// Gives the tangent length one.
+    pub fn normalise(&self, point: &mut Point) {
+        let along = (&point.tangent[..], point.tangent_lambda);
+        let length = inner(self, along, along).sqrt();
+        if length > 0.0 {
+            point.tangent.iter_mut().for_each(|t| *t /= length);
+            point.tangent_lambda /= length;
+        }
     }
 }
 
@@ -77,6 +99,17 @@ impl System for Equilibria {
 
     fn dual_lambda(&self) -> f64 {
         self.coordinate.width.powi(-2)
+    }
+
+    /// A state that has outgrown its scale, as on a branch from zero, becomes the scale.
+    fn prepare(&mut self, point: &mut Point) -> bool {
+        let rms = (dot(&point.x, &point.x) / point.x.len() as f64).sqrt();
+        let grown = rms > OUTGROWN * self.scale_state && rms.is_finite();
+        if grown {
+            self.scale_state = rms;
+            self.normalise(point);
+        }
+        grown
     }
 }
 

@@ -163,7 +163,9 @@ impl Node {
 
     fn has_names(&self) -> bool {
         let mut any = false;
-        self.visit(&mut |node| any |= !matches!(node, Node::Number(_) | Node::Pi | Node::Negate(_) | Node::Binary(..) | Node::Call(..)));
+        self.visit(&mut |node| {
+            any |= !matches!(node, Node::Number(_) | Node::Pi | Node::Negate(_) | Node::Binary(..) | Node::Call(..))
+        });
         any
     }
 

@@ -256,7 +256,10 @@ fn total(input: &mut Input<'_>) -> Parsed {
     space(input)?;
     let body = sum(input)?;
     if symbol(input, [','])?.is_none() {
-        return Err(Failure::at(input, Reason::Expected("an operator or \",\" and an index, as in sum(u[i], i = 1..N)")));
+        return Err(Failure::at(
+            input,
+            Reason::Expected("an operator or \",\" and an index, as in sum(u[i], i = 1..N)"),
+        ));
     }
     let (indices, depth) = indices(input)?;
     if symbol(input, [')'])?.is_none() {

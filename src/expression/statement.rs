@@ -65,7 +65,11 @@ fn parse(input: &mut Input<'_>) -> Result<Statement, Failure> {
     if input.eof_offset() > 0 {
         return Err(Failure::expected(
             input,
-            if ranges.is_empty() { "an operator, \"for\" or the end of the line" } else { "an operator, \",\" or the end of the line" },
+            if ranges.is_empty() {
+                "an operator, \"for\" or the end of the line"
+            } else {
+                "an operator, \",\" or the end of the line"
+            },
         ));
     }
     Ok(Statement { left, right, ranges, start: 0 })
@@ -100,9 +104,9 @@ fn lines(text: &str) -> Vec<(usize, String)> {
         }
         start += line.len();
         if let (Some((_, statement)), false) = (found.last(), trimmed.is_empty()) {
-            let depth = statement.chars().fold(0_i64, |depth, c| {
-                depth + i64::from(matches!(c, '(' | '[')) - i64::from(matches!(c, ')' | ']'))
-            });
+            let depth = statement
+                .chars()
+                .fold(0_i64, |depth, c| depth + i64::from(matches!(c, '(' | '[')) - i64::from(matches!(c, ')' | ']')));
             open = depth > 0 || trimmed.ends_with(['+', '-', '*', '/', '^', ',', '=', '(', '[']);
         }
     }

@@ -35,7 +35,9 @@ struct Blocks {
 impl BorderedMatrix {
     /// `b` and `c` are the columns of B and C, `d` the rows of D.
     pub fn new(a: &Matrix, b: &[&[f64]], c: &[&[f64]], d: &[&[f64]]) -> Result<Self, Singular> {
-        let Matrix::Dense(a) = a else { return Blocks::new(a, b, c, d).map(|x| Self { form: Form::Blocks(Box::new(x)) }) };
+        let Matrix::Dense(a) = a else {
+            return Blocks::new(a, b, c, d).map(|x| Self { form: Form::Blocks(Box::new(x)) });
+        };
         let n = a.nrows();
         let full = Mat::from_fn(n + b.len(), n + c.len(), |i, j| match (i < n, j < n) {
             (true, true) => a[(i, j)],
@@ -110,7 +112,11 @@ impl Blocks {
         let n = self.a.n();
         let (columns, rows) = if transposed { (&self.c, &self.b) } else { (&self.b, &self.c) };
         let mut image = vec![0.0; n];
-        if transposed { self.a.times_transposed(&x[..n], &mut image) } else { self.a.times(&x[..n], &mut image) }
+        if transposed {
+            self.a.times_transposed(&x[..n], &mut image)
+        } else {
+            self.a.times(&x[..n], &mut image)
+        }
         let mut out = fg.to_vec();
         for i in 0..n {
             out[i] -= image[i] + columns.iter().zip(&x[n..]).map(|(column, y)| column[i] * y).sum::<f64>();

@@ -98,16 +98,16 @@ impl<T: Number> Elimination<T> {
 
     /// `[f; g]` in, `[x; y]` out; with fewer borders where there are fewer entries in g.
     pub fn solve(&self, base: &dyn Base<T>, fg: &mut [T]) {
-        let levels: Vec<_> = self.levels.iter().map(|l| (&l.b, &l.c, l.d, &l.v, &l.w, l.delta, l.delta_adjoint)).collect();
+        let levels: Vec<_> =
+            self.levels.iter().map(|l| (&l.b, &l.c, l.d, &l.v, &l.w, l.delta, l.delta_adjoint)).collect();
         eliminate(&levels, &|x| base.solve(x), fg);
     }
 
     /// The same with the adjoint.
     pub fn solve_adjoint(&self, base: &dyn Base<T>, fg: &mut [T]) {
         let turned = |l: &Level<T>| (l.delta_adjoint.conjugate(), l.delta.conjugate());
-        let levels: Vec<_> = (self.levels.iter())
-            .map(|l| (&l.c, &l.b, l.d.conjugate(), &l.w, &l.v, turned(l).0, turned(l).1))
-            .collect();
+        let levels: Vec<_> =
+            (self.levels.iter()).map(|l| (&l.c, &l.b, l.d.conjugate(), &l.w, &l.v, turned(l).0, turned(l).1)).collect();
         eliminate(&levels, &|x| base.solve_adjoint(x), fg);
     }
 

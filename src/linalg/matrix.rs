@@ -10,7 +10,10 @@ pub enum Structure {
     #[default]
     Dense,
     /// Entry (i, j) is zero unless `i - lower <= j <= i + upper`.
-    Banded { lower: usize, upper: usize },
+    Banded {
+        lower: usize,
+        upper: usize,
+    },
     Sparse(Arc<Pattern>),
 }
 

@@ -174,15 +174,8 @@ pub fn sign(a: &Sparse) -> Result<f64, Singular> {
     let mut lu = SimplicialLu::new();
     let mut memory = MemBuffer::new(factorize_simplicial_numeric_lu_scratch::<usize, f64>(n, n));
     let matrix = SparseColMatRef::new(symbolic, &a.values[..]);
-    factorize_simplicial_numeric_lu(
-        &mut rows,
-        &mut rows_inverse,
-        &mut lu,
-        matrix,
-        columns,
-        MemStack::new(&mut memory),
-    )
-    .map_err(|_| Singular)?;
+    factorize_simplicial_numeric_lu(&mut rows, &mut rows_inverse, &mut lu, matrix, columns, MemStack::new(&mut memory))
+        .map_err(|_| Singular)?;
     let upper = lu.u_factor_unsorted();
     let diagonal = (0..n).map(|j| {
         let entries = upper.row_idx_of_col_raw(j).iter().zip(upper.val_of_col(j));

@@ -54,13 +54,7 @@ struct Explorer<'a> {
 }
 
 /// All branches, each with its own name: "all-1", "all-2", ...
-pub fn run(
-    prepared: &Prepared,
-    name: &str,
-    task: &scene::Diagram,
-    keeper: &Keeper,
-    watch: &Watch,
-) -> Vec<Outcome> {
+pub fn run(prepared: &Prepared, name: &str, task: &scene::Diagram, keeper: &Keeper, watch: &Watch) -> Vec<Outcome> {
     let (queue, met, outcomes) = Default::default();
     let mut explorer = Explorer { prepared, name, task, keeper, watch, queue, met, outcomes };
     explorer.plan(Start::Model, 0, "the model's start".to_owned());
@@ -119,9 +113,7 @@ impl Explorer<'_> {
         self.ask_for_known_values(&mut task);
         let mut outcome = match &planned.start {
             Start::Model => equilibria::run(self.prepared, &name, &task, Origin::Model, self.watch),
-            Start::State(u, free) => {
-                equilibria::run(self.prepared, &name, &task, Origin::State(u, *free), self.watch)
-            }
+            Start::State(u, free) => equilibria::run(self.prepared, &name, &task, Origin::State(u, *free), self.watch),
             Start::Switch(point) => equilibria::run(self.prepared, &name, &task, Origin::Point(point), self.watch),
             Start::Cycles(point) => {
                 let Some(cycles) = &self.task.cycles else { return };

@@ -46,12 +46,14 @@ pub fn specs(scene: &Scene, branches: &[Branch], picture_unit: &str) -> Vec<Spec
     });
     // One that no figure shows is drawn by itself: its first observable.
     let alone = scene.tasks.iter().filter(|task| {
-        matches!(task.kind, TaskKind::Diagram(_)) && !scene.figures.iter().any(|figure| figure.tasks.contains(&task.name))
+        matches!(task.kind, TaskKind::Diagram(_))
+            && !scene.figures.iter().any(|figure| figure.tasks.contains(&task.name))
     });
     let own = alone.filter_map(|task| {
         let along = task.kind.along();
         let tasks = members(std::slice::from_ref(&task.name));
-        let first = branches.iter().find(|branch| tasks.contains(&branch.name) && branch.kind == BranchKind::Equilibria)?;
+        let first =
+            branches.iter().find(|branch| tasks.contains(&branch.name) && branch.kind == BranchKind::Equilibria)?;
         let spectral = |name: &str| ["re_", "im_", "log10 "].iter().any(|prefix| name.starts_with(prefix));
         let y = first.columns.iter().skip(1).map(|column| column.name.clone()).find(|name| !spectral(name))?;
         let logarithm = if along.logarithmic.is_empty() { "" } else { "log10 " };

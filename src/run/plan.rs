@@ -116,7 +116,8 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                     &yes_no(multipliers, "Floquet multipliers and stability".into(), "multipliers are not asked for");
             }
         }
-        if let TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::Cycles(_) | TaskKind::FoldCurve(_) = task.kind {
+        if let TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::Cycles(_) | TaskKind::FoldCurve(_) = task.kind
+        {
             let list = ready.study.observables();
             let wanted: Vec<&str> = prepared.observables.iter().map(|&i| list[i].name).collect();
             let others: Vec<&str> = list.iter().map(|o| o.name).filter(|name| !wanted.contains(name)).collect();

@@ -96,9 +96,13 @@ pub fn check_equilibrium(scene: &Scene, from: &str, at: &Place) -> Result<(), Sc
     let label = Label::parse(from);
     let task = label.and_then(|label| owner(&scene.tasks, label.task));
     match task.map(|task| &task.kind) {
-        Some(TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::HopfCurve(_) | TaskKind::FoldCurve(_) | TaskKind::Calibration(_)) => {
-            Ok(())
-        }
+        Some(
+            TaskKind::Equilibria(_)
+            | TaskKind::Diagram(_)
+            | TaskKind::HopfCurve(_)
+            | TaskKind::FoldCurve(_)
+            | TaskKind::Calibration(_),
+        ) => Ok(()),
         _ => Err(scene.refuse(
             at,
             format!(

@@ -6,8 +6,7 @@ use crate::scene::{Fault, ModelText, Place, Scene, SceneError, TextValue, Words}
 use std::sync::Arc;
 
 /// Columns of results, which no parameter or observable may be called.
-const COLUMNS: [&str; 8] =
-    ["omega", "frequency", "lyapunov", "growth", "period", "trivial_error", "gap", "stable"];
+const COLUMNS: [&str; 8] = ["omega", "frequency", "lyapunov", "growth", "period", "trivial_error", "gap", "stable"];
 
 pub fn build(scene: &Scene, model: &ModelText) -> Result<Arc<Text>, SceneError> {
     let written = Written {

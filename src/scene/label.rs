@@ -41,9 +41,10 @@ pub(super) struct Announced {
 
 /// The task that a branch belongs to: its own, or the diagram that found it, whose branches are named "all-1", "all-2", ...
 pub fn owner<'a>(tasks: &'a [Task], branch: &str) -> Option<&'a Task> {
-    tasks.iter().find(|task| task.name == branch && !matches!(task.kind, TaskKind::Diagram(_))).or_else(|| {
-        tasks.iter().find(|task| matches!(task.kind, TaskKind::Diagram(_)) && owned(&task.name, branch))
-    })
+    tasks
+        .iter()
+        .find(|task| task.name == branch && !matches!(task.kind, TaskKind::Diagram(_)))
+        .or_else(|| tasks.iter().find(|task| matches!(task.kind, TaskKind::Diagram(_)) && owned(&task.name, branch)))
 }
 
 /// Whether a name is that of a branch of a diagram.
@@ -58,6 +59,14 @@ pub(super) fn check(text: &str, read: &[Task], announced: &[Announced]) -> Resul
     let Some(label) = Label::parse(text) else {
         return Err(Fault::Label { found: text.to_owned(), example: format!("{first}/HB1") });
     };
+    if let Some(diagram) = read.iter().find(|task| task.name == label.task && matches!(task.kind, TaskKind::Diagram(_)))
+    {
+        let (name, rest) = (&diagram.name, text.rsplit('/').next().unwrap_or_default());
+        let message = format!(
+            "{name:?} is a diagram of several branches, {name}-1, {name}-2, ...; write for example {name}-1/{rest}"
+        );
+        return Err(Fault::Other(message));
+    }
     let Some(task) = owner(read, label.task) else {
         return Err(match announced.iter().find(|later| later.name == label.task) {
             Some(later) => Fault::Later { name: later.name.clone(), at: later.line },

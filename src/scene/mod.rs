@@ -20,8 +20,8 @@ mod tests;
 mod tree;
 pub mod units;
 
-pub use calibration::QUANTITIES;
 pub use crate::expression::Expression;
+pub use calibration::QUANTITIES;
 pub use error::{EntryError, Fault, SceneError};
 pub use figure::FIGURE_KINDS;
 pub use label::{Label, POINT_KINDS, owner};

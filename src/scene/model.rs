@@ -3,7 +3,8 @@
 use super::entry::{Entry, Section};
 use super::tree::Content;
 use super::{
-    Fault, ModelChoice, ModelOption, ModelText, OptionValue, Place, SceneError, TextObservable, TextParameter, TextValue, Words,
+    Fault, ModelChoice, ModelOption, ModelText, OptionValue, Place, SceneError, TextObservable, TextParameter,
+    TextValue, Words,
 };
 
 /// What a model as text may hold; every other key is the name of a whole number.
@@ -13,7 +14,8 @@ pub(super) fn read(root: &Section<'_>) -> Result<ModelChoice, SceneError> {
     let Some(entry) = root.get("model") else {
         return Err(root.error(Fault::Missing {
             what: "the section [model]".to_owned(),
-            example: "[model] with name = \"MODEL\" (`hopfline models` lists them) or with equations = \"x' = ...\"".to_owned(),
+            example: "[model] with name = \"MODEL\" (`hopfline models` lists them) or with equations = \"x' = ...\""
+                .to_owned(),
         }));
     };
     let section = entry.section("a section, [model]")?;
@@ -43,14 +45,17 @@ fn option_value(entry: &Entry<'_>) -> Result<OptionValue, SceneError> {
 
 fn written(section: &Section<'_>, equations: &Entry<'_>) -> Result<ModelChoice, SceneError> {
     if let Some(name) = section.get("name") {
-        let message = "a model is either one of those that have a name, or its equations are written; remove one of both";
+        let message =
+            "a model is either one of those that have a name, or its equations are written; remove one of both";
         return Err(name.error(Fault::Other(message.to_owned())));
     }
     let text = ModelText {
         equations: equations.words("a string, the equations")?,
         constants: constants(section)?,
         parameters: table(section, "parameters", parameter)?,
-        start: table(section, "start", |name, entry| Ok((name.to_owned(), entry.words("a number or an expression in quotes")?)))?,
+        start: table(section, "start", |name, entry| {
+            Ok((name.to_owned(), entry.words("a number or an expression in quotes")?))
+        })?,
         observables: table(section, "observables", observable)?,
         symmetry: match section.get("symmetry") {
             Some(entry) => Some(entry.words("a string such as \"x -> -x, y -> -y\"")?),

@@ -63,7 +63,10 @@ fn tasks(root: &Section<'_>) -> Result<(Vec<Task>, Vec<Announced>), SceneError> 
         let others = tasks.iter().map(|other| (other, &task)).chain(tasks.iter().map(|other| (&task, other)));
         for (diagram, other) in others {
             if matches!(diagram.kind, TaskKind::Diagram(_)) && owned(&diagram.name, &other.name) {
-                let message = format!("{:?} is the name of a branch of the diagram {:?}; choose another", other.name, diagram.name);
+                let message = format!(
+                    "{:?} is the name of a branch of the diagram {:?}; choose another",
+                    other.name, diagram.name
+                );
                 return Err(section.error(Fault::Other(message)));
             }
         }

@@ -3,9 +3,7 @@
 use super::entry::{Entry, Section};
 use super::label::{self, Announced};
 use super::tree::Content;
-use super::{
-    Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, diagram, map, several,
-};
+use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, diagram, map, several};
 
 /// Kinds of tasks, as a scene names them.
 pub const TASK_KINDS: [&str; 8] =
@@ -30,7 +28,10 @@ pub(super) fn read(
     announced: &[Announced],
 ) -> Result<Task, SceneError> {
     // A misspelt "kind" is to be named as such, so first the keys that no kind knows.
-    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts", "grid", "tolerance"], &diagram::KEYS].concat())?;
+    section.allow(
+        "key",
+        &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts", "grid", "tolerance"], &diagram::KEYS].concat(),
+    )?;
     let kinds = TASK_KINDS.map(|kind| format!("{kind:?}")).join(" or ");
     let kind = section.need("kind", &format!("kind = {kinds}"))?;
     let kind = match kind.choice("task kind", &TASK_KINDS)? {
@@ -82,7 +83,9 @@ fn equilibria(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> 
             label::check(entry.text()?, read, announced).map_err(|fault| entry.error(fault))?;
             for key in ["start", "state"] {
                 if let Some(other) = section.get(key) {
-                    let message = format!("a branch starts at a point (from) or near a state (start, state); leave out from or {key}");
+                    let message = format!(
+                        "a branch starts at a point (from) or near a state (start, state); leave out from or {key}"
+                    );
                     return Err(other.error(Fault::Other(message)));
                 }
             }

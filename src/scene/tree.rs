@@ -135,7 +135,9 @@ fn convert(value: &Spanned<DeValue<'_>>, place: Option<&Locator<'_>>) -> Result<
         }
         DeValue::Boolean(flag) => Content::Flag(*flag),
         DeValue::Datetime(date) => Content::Date(date.to_string()),
-        DeValue::Array(items) => Content::List(items.iter().map(|item| convert(item, place)).collect::<Result<_, _>>()?),
+        DeValue::Array(items) => {
+            Content::List(items.iter().map(|item| convert(item, place)).collect::<Result<_, _>>()?)
+        }
         DeValue::Table(table) => Content::Table(convert_table(table, place)?),
     };
     let begins = match (&content, place) {

@@ -8,7 +8,7 @@ use super::rows::{self, Row};
 use super::scope::{Cell, Local, Scope, Symbol};
 use super::tape::Tape;
 use super::unknowns::{self, Unknowns, defines};
-use super::{Part, TextError, Wrong, Written, WrittenDefault, symmetry};
+use super::{Part, TextError, Written, WrittenDefault, Wrong, symmetry};
 use crate::expression::{Expression, Function, Node, RESERVED, Statement, statement, statements, suggest};
 use crate::problem::{Bounds, Default, Observable, Parameter};
 use std::sync::Arc;
@@ -100,7 +100,8 @@ fn functions<'a>(scope: &mut Scope<'a>, text: &'a [Statement]) -> Result<(), Wro
             }
             Node::Call(function, ..) => {
                 let name = function.name();
-                let message = format!("{name} is built in; choose another name for a function, or write an equation as 0 = ...");
+                let message =
+                    format!("{name} is built in; choose another name for a function, or write an equation as 0 = ...");
                 return Err(Wrong::new(statement.start, message));
             }
             _ => {}
@@ -170,7 +171,10 @@ fn count(unknowns: &Unknowns, rows: &[Row], written: &Written) -> Result<(), Tex
                 None => format!("unknowns are {}", shorten(&others)),
             };
             let message = format!("{name} occurs in no equation; {advice}");
-            return Err(TextError { part: Part::Start(written.start[entry].0.clone()), wrong: Wrong { offset: None, message } });
+            return Err(TextError {
+                part: Part::Start(written.start[entry].0.clone()),
+                wrong: Wrong { offset: None, message },
+            });
         }
     }
     let n = unknowns.names.len();
@@ -178,7 +182,11 @@ fn count(unknowns: &Unknowns, rows: &[Row], written: &Written) -> Result<(), Tex
         return Ok(());
     }
     let names: Vec<&str> = unknowns.names.iter().map(String::as_str).collect();
-    let trouble = if rows.len() < n { "add one for each, such as x' = ..." } else { "remove one, or list its unknown in [model.start]" };
+    let trouble = if rows.len() < n {
+        "add one for each, such as x' = ..."
+    } else {
+        "remove one, or list its unknown in [model.start]"
+    };
     let message = format!("{} equations for {n} unknowns ({}); {trouble}", rows.len(), shorten(&names));
     Err(TextError::in_equations(Wrong { offset: rows.last().map(|row| row.at), message }))
 }
@@ -242,8 +250,9 @@ fn started(scope: &Scope<'_>, start: &Statement) -> Result<Vec<(usize, Vec<(Stri
         Node::Element(name, indices, _) => (name, Some(&indices[..])),
         _ => return Ok(Vec::new()),
     };
-    let none = |element: &[i64]| {
-        Wrong { offset: None, message: format!("{} is not an unknown", super::scope::show(name, element)) }
+    let none = |element: &[i64]| Wrong {
+        offset: None,
+        message: format!("{} is not an unknown", super::scope::show(name, element)),
     };
     let Some(Symbol { cells, .. }) = scope.symbols.get(name) else { return Err(none(&[])) };
     let unknown = |element: &Vec<i64>| match cells.get(element) {
@@ -267,7 +276,10 @@ fn started(scope: &Scope<'_>, start: &Statement) -> Result<Vec<(usize, Vec<(Stri
             return Err(none(&[]));
         }
         all.sort();
-        return Ok(all.into_iter().map(|(element, i)| (i, free.iter().cloned().zip(element.iter().copied()).collect())).collect());
+        return Ok(all
+            .into_iter()
+            .map(|(element, i)| (i, free.iter().cloned().zip(element.iter().copied()).collect()))
+            .collect());
     }
     let mut found = Vec::new();
     for local in scope.whole().all(&start.ranges)? {
@@ -330,7 +342,8 @@ fn parameters(written: &Written) -> Result<Vec<Parameter>, TextError> {
             WrittenDefault::Tie(text) => {
                 let tie = Expression::parse(text).map_err(|error| wrong(None, error.to_string()))?;
                 if let Some(name) = tie.names().into_iter().find(|name| known().all(|known| known != name)) {
-                    let advice = suggest(&name, known()).map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
+                    let advice =
+                        suggest(&name, known()).map_or(String::new(), |meant| format!("; did you mean {meant:?}?"));
                     return Err(wrong(text.find(&name), format!("{name:?} is not a parameter{advice}")));
                 }
                 Default::Tie(intern(text))

@@ -44,7 +44,9 @@ impl Text {
             Vertex::Parameter(i) => format!("the parameter {} is {value}", self.parameters[i as usize].name),
             _ => format!("a constant is {value}"),
         };
-        let message = format!("the equation of {name} is not finite at the start: {what}; change [model.start] or the parameters");
+        let message = format!(
+            "the equation of {name} is not finite at the start: {what}; change [model.start] or the parameters"
+        );
         Some(TextError::in_equations(Wrong::new(placed.at, message)))
     }
 }

@@ -22,7 +22,8 @@ impl Whole<'_> {
             Node::Name(name, _) => {
                 let mut known = indices.iter().rev().chain(self.constants);
                 known.find(|(known, _)| known == name).map(|(_, value)| *value).ok_or_else(|| {
-                    let names: Vec<&str> = indices.iter().chain(self.constants).map(|(name, _)| name.as_str()).collect();
+                    let names: Vec<&str> =
+                        indices.iter().chain(self.constants).map(|(name, _)| name.as_str()).collect();
                     let names = if names.is_empty() { "numbers alone".to_owned() } else { names.join(", ") };
                     wrong(format!("{name:?} is not a whole number known here; known are {names}"))
                 })
@@ -52,7 +53,10 @@ impl Whole<'_> {
         }
         match to.checked_sub(from) {
             Some(length) if length < MAX_ELEMENTS as i64 => Ok((from, to)),
-            _ => Err(Wrong::new(at, format!("the range {range} is too long; at most {MAX_ELEMENTS} elements are allowed"))),
+            _ => Err(Wrong::new(
+                at,
+                format!("the range {range} is too long; at most {MAX_ELEMENTS} elements are allowed"),
+            )),
         }
     }
 

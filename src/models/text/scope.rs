@@ -97,13 +97,19 @@ impl<'a> Scope<'a> {
         match self.symbols.get(&range.name) {
             None => Ok(()),
             Some(_) => {
-                let message = format!("{:?} is an unknown or a definition already; name the index otherwise", range.name);
+                let message =
+                    format!("{:?} is an unknown or a definition already; name the index otherwise", range.name);
                 Err(Wrong::new(range.at.0, message))
             }
         }
     }
 
-    pub fn define_function(&mut self, (name, at): (&'a str, usize), arguments: &'a [Node], body: &'a Node) -> Result<(), Wrong> {
+    pub fn define_function(
+        &mut self,
+        (name, at): (&'a str, usize),
+        arguments: &'a [Node],
+        body: &'a Node,
+    ) -> Result<(), Wrong> {
         self.check_free(name, at)?;
         let mut names: Vec<&str> = Vec::new();
         for argument in arguments {
@@ -139,17 +145,19 @@ impl<'a> Scope<'a> {
             self.check_free(name, at)?;
         }
         let indices = element.len();
-        let symbol =
-            self.symbols.entry(name.to_owned()).or_insert_with(|| Symbol { indices, cells: HashMap::new() });
+        let symbol = self.symbols.entry(name.to_owned()).or_insert_with(|| Symbol { indices, cells: HashMap::new() });
         if symbol.indices != indices {
             let message = format!("{name:?} has {} indices elsewhere, but {indices} here", symbol.indices);
             return Err(Wrong::new(at, message));
         }
         match symbol.cells.insert(element, cell) {
             None => Ok(()),
-            Some(Cell::Unknown(_)) => {
-                Err(Wrong::new(at, format!("{shown} is an unknown, given by its rate of change or by [model.start]; it cannot be defined as well")))
-            }
+            Some(Cell::Unknown(_)) => Err(Wrong::new(
+                at,
+                format!(
+                    "{shown} is an unknown, given by its rate of change or by [model.start]; it cannot be defined as well"
+                ),
+            )),
             Some(_) => Err(Wrong::new(at, format!("{shown} is defined twice"))),
         }
     }
@@ -288,9 +296,10 @@ impl<'a> Scope<'a> {
         match self.symbols.get(name) {
             Some(symbol) if symbol.indices == indices.len() => values(&self.whole(), indices, local.indices),
             Some(symbol) if symbol.indices == 0 => Err(Wrong::new(at, format!("{name} is not an array"))),
-            Some(symbol) => {
-                Err(Wrong::new(at, format!("{name} has {} indices; write {}", symbol.indices, example(name, symbol.indices))))
-            }
+            Some(symbol) => Err(Wrong::new(
+                at,
+                format!("{name} has {} indices; write {}", symbol.indices, example(name, symbol.indices)),
+            )),
             None => Err(self.unknown_name(name, at, local)),
         }
     }
@@ -353,13 +362,21 @@ impl<'a> Scope<'a> {
             (Some(first), Some(last)) => format!("{} to {}", show(name, first), show(name, last)),
             _ => "none".to_owned(),
         };
-        Wrong::new(at, format!("{shown} is not defined, only {known}; give a neighbour beyond the ends a value, such as {shown} = 0"))
+        Wrong::new(
+            at,
+            format!(
+                "{shown} is not defined, only {known}; give a neighbour beyond the ends a value, such as {shown} = 0"
+            ),
+        )
     }
 
     fn apply(&mut self, name: &str, arguments: &[Node], Offset(at): Offset, local: Local<'_>) -> Result<Id, Wrong> {
         let Some(own) = self.functions.get(name) else {
             if self.symbols.contains_key(name) {
-                return Err(Wrong::new(at, format!("{name} is no function; write a product with *, an element with [ ]")));
+                return Err(Wrong::new(
+                    at,
+                    format!("{name} is no function; write a product with *, an element with [ ]"),
+                ));
             }
             let own: Vec<&str> = self.functions.keys().copied().collect();
             return Err(Wrong::new(at, Fault::unknown_function(name, &own).to_string()));

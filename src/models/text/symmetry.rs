@@ -70,7 +70,10 @@ pub(super) fn read(text: &Text, written: &str, constants: &[(String, i64)]) -> R
         reflection.source[j] != i || reflection.sign[i] * reflection.sign[j] != 1.0
     });
     if let Some(i) = twice {
-        let message = format!("the symmetry, done twice, does not take {} to itself; list what it is exchanged with", text.names[i]);
+        let message = format!(
+            "the symmetry, done twice, does not take {} to itself; list what it is exchanged with",
+            text.names[i]
+        );
         return Err(Wrong { offset: None, message });
     }
     check(text, &reflection)?;

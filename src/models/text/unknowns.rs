@@ -4,7 +4,7 @@
 
 use super::index::values;
 use super::scope::{Cell, Scope, show};
-use super::{Part, TextError, Wrong, Written};
+use super::{Part, TextError, Written, Wrong};
 use crate::expression::{Node, Statement};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -74,7 +74,8 @@ pub fn find(
         }
         for local in scope.whole().all(&start.ranges).map_err(wrong)? {
             let element = values(&scope.whole(), indices, &local).map_err(|mut error| {
-                error.message += "; an array without rates of change needs its range here, as in \"w[i]\" = \"0 for i = 1..N\"";
+                error.message +=
+                    "; an array without rates of change needs its range here, as in \"w[i]\" = \"0 for i = 1..N\"";
                 wrong(error)
             })?;
             if !found.elements.contains_key(&(name.clone(), element.clone())) {
@@ -86,9 +87,7 @@ pub fn find(
     let rank = |name: &str| found.names.iter().position(|known| known == name).unwrap_or(0);
     let mut all: Vec<(&(String, Vec<i64>), usize, usize)> =
         found.elements.iter().map(|(key, &at)| (key, at, rank(&key.0))).collect();
-    all.sort_by(|((_, a), _, rank_a), ((_, b), _, rank_b)| {
-        (!a.is_empty(), a, rank_a).cmp(&(!b.is_empty(), b, rank_b))
-    });
+    all.sort_by(|((_, a), _, rank_a), ((_, b), _, rank_b)| (!a.is_empty(), a, rank_a).cmp(&(!b.is_empty(), b, rank_b)));
     let mut unknowns = Unknowns { names: Vec::new(), order: Vec::new(), algebraic: Vec::new(), scalars: 0 };
     for (i, ((name, element), at, _)) in all.iter().enumerate() {
         let entered = scope.enter(name, element.clone(), Cell::Unknown(i), *at);

@@ -28,13 +28,7 @@ pub use describe::error;
 pub const VALUES: [&str; 9] = ["omega", "frequency", "lyapunov", "growth", "lp_a", "lp_b", "bp_b", "bp_c", "bp_d"];
 
 /// Runs the task; numerical trouble ends up in the outcome's status and reason.
-pub fn run(
-    prepared: &Prepared,
-    name: &str,
-    task: &scene::Equilibria,
-    origin: Origin,
-    watch: &Watch,
-) -> Outcome {
+pub fn run(prepared: &Prepared, name: &str, task: &scene::Equilibria, origin: Origin, watch: &Watch) -> Outcome {
     let start = Instant::now();
     let branch = empty(name, task);
     let mut counts = Counts::default();
@@ -73,9 +67,7 @@ fn follow(
     let (mut system, first) = begin(prepared, task, origin, counts)?;
     let bounds = bounds(prepared, task);
     let still = system.clone();
-    let inside = |point: &Point| {
-        bounds.iter().all(|&(i, low, high)| (low..=high).contains(&observe(&still, point, i)))
-    };
+    let inside = |point: &Point| bounds.iter().all(|&(i, low, high)| (low..=high).contains(&observe(&still, point, i)));
     let wanted = Wanted { along, signed: detects("BP"), inside: &inside };
     let Walked { points, signs, back, stop } = walk(&mut system, first, wanted, watch, counts);
     let mut samples: Vec<Sample> = points.into_iter().map(|point| Sample::new(point, None)).collect();

@@ -39,7 +39,10 @@ pub fn walk(
     let coordinate = system.coordinate;
     let (from, to) = (coordinate.of(along.range.from), coordinate.of(along.range.to));
     let most = along.max_step.map_or(LARGEST_STEP, |step| step / (to - from).abs());
+    let scale = system.scale_state;
+    let mut largest = scale;
     let mut way = |start: Point, room: usize| {
+        system.scale_state = scale;
         let control = StepControl { step: 0.25 * most, least: 1e-9 * most, most };
         let mut found = Vec::new();
         let mut walk = Walk::new(&mut *system, start, control, (from, to));
@@ -67,6 +70,7 @@ pub fn walk(
             }
         };
         *counts += walk.counts;
+        largest = largest.max(system.scale_state);
         (found, stop)
     };
     let slack = 1e-12 * (to - from);
@@ -97,6 +101,9 @@ pub fn walk(
     } else {
         back.take().unwrap_or(Stop::RangeEnd)
     };
-    let (points, signs) = all.into_iter().unzip();
+    let (mut points, signs): (Vec<Point>, Vec<Option<f64>>) = all.into_iter().unzip();
+    // The scale may have grown on the way.
+    system.scale_state = largest;
+    points.iter_mut().for_each(|point| system.normalise(point));
     Walked { points, signs, back, stop }
 }
