@@ -4,6 +4,7 @@ mod calibration;
 mod cycle_curve;
 mod cycles;
 mod describe;
+mod diagram;
 mod equilibria;
 mod figures;
 mod files;
@@ -36,7 +37,8 @@ pub use watch::INTERRUPTED;
 use crate::branch::{Branch, StoreError};
 use crate::orbit::bifurcations::Critical;
 use crate::plot::PlotError;
-use crate::scene::{Curve, Fault, Place, Scene, SceneError, Task, TaskKind};
+use crate::scene::{Curve, Fault, Place, Scene, SceneError, Task, TaskKind, owner};
+use equilibria::Origin;
 use files::Folder;
 use outcome::{Outcome, Status};
 use resume::Keeper;
@@ -92,7 +94,8 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
     wanted.extend(only.iter().map(String::as_str));
     for task in scene.tasks.iter().rev() {
         if let (Some((from, _)), true) = (task.kind.from(), wanted.contains(task.name.as_str())) {
-            wanted.extend(from.split('/').next());
+            let source = from.split('/').next().and_then(|name| owner(&scene.tasks, name));
+            wanted.extend(source.map(|task| task.name.as_str()));
         }
     }
     let mut tasks = Vec::new();
@@ -136,22 +139,26 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
     let keeper = Keeper::new(folder.path("resume"), identity, options.resume);
     if !options.resume {
         folder.clear(ready.tasks.iter().map(|(task, _)| task.name.as_str()))?;
+        let diagrams = ready.tasks.iter().filter(|(task, _)| matches!(task.kind, TaskKind::Diagram(_)));
+        diagrams.for_each(|(task, _)| folder.clear_parts(&task.name));
     }
     let home = scene.path.parent().unwrap_or(Path::new(""));
     let mut outcomes: Vec<Outcome> = Vec::new();
     for (task, prepared) in &ready.tasks {
         watch.task(&task.name);
-        let outcome = match keeper.finished(&task.name) {
-            Some(outcome) => outcome,
+        let found = match keeper.finished(&task.name) {
+            Some(found) => found,
             None => perform((task, home), prepared, &outcomes, &keeper, &watch),
         };
-        if outcome.status == Status::Done {
-            keeper.finish(&task.name, &outcome);
+        if found.iter().all(|outcome| outcome.status == Status::Done) {
+            keeper.finish(&task.name, &found);
         }
-        watch.say(format!("{}: {:?}, {}", task.name, outcome.status, outcome.reason));
-        folder.write_branch(&outcome.branch)?;
-        let interrupted = outcome.status == Status::Interrupted;
-        outcomes.push(outcome);
+        for outcome in &found {
+            watch.say(format!("{}: {:?}, {}", outcome.branch.name, outcome.status, outcome.reason));
+            folder.write_branch(&outcome.branch)?;
+        }
+        let interrupted = found.iter().any(|outcome| outcome.status == Status::Interrupted);
+        outcomes.extend(found);
         if interrupted {
             break;
         }
@@ -177,7 +184,7 @@ fn perform(
     before: &[Outcome],
     keeper: &Keeper,
     watch: &Watch,
-) -> Outcome {
+) -> Vec<Outcome> {
     let points = || before.iter().flat_map(|outcome| &outcome.branch.points);
     let source = |label: &str| {
         points().find(|point| point.label == label).ok_or_else(|| {
@@ -189,9 +196,12 @@ fn perform(
         Ok(from) => cycle_curve::run(prepared, &task.name, what, from, watch),
         Err(reason) => Outcome::failed(cycle_curve::empty(prepared, &task.name, what), reason),
     };
-    match &task.kind {
+    let outcome = match &task.kind {
         TaskKind::Equilibria(equilibria) => match equilibria.from.as_ref().map(|(from, _)| source(from)).transpose() {
-            Ok(from) => equilibria::run(prepared, &task.name, equilibria, from, watch),
+            Ok(from) => {
+                let origin = from.map_or(Origin::Model, Origin::Point);
+                equilibria::run(prepared, &task.name, equilibria, origin, watch)
+            }
             Err(reason) => Outcome::failed(equilibria::empty(&task.name, equilibria), reason),
         },
         TaskKind::Cycles(cycles) if crate::scene::is_file(&cycles.from) => {
@@ -201,6 +211,7 @@ fn perform(
                 Err(error) => Outcome::failed(cycles::empty(prepared, &task.name, cycles), error.to_string()),
             }
         }
+        TaskKind::Diagram(wanted) => return diagram::run(prepared, &task.name, wanted, keeper, watch),
         TaskKind::Cycles(cycles) => match source(&cycles.from) {
             Ok(from) => cycles::run(prepared, &task.name, cycles, from, keeper, watch),
             Err(reason) => Outcome::failed(cycles::empty(prepared, &task.name, cycles), reason),
@@ -225,7 +236,8 @@ fn perform(
             Ok(from) => hopf_surface::run(prepared, &task.name, surface, from, watch),
             Err(reason) => Outcome::failed(hopf_surface::empty(prepared, &task.name, surface), reason),
         },
-    }
+    };
+    vec![outcome]
 }
 
 /// The place of a key of a task, for messages.

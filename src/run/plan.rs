@@ -60,6 +60,23 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 let points = "branch points with their normal form, from a determinant's sign at every point";
                 out += &yes_no(detects("BP"), points.into(), "detect has no BP");
             }
+            TaskKind::Diagram(d) => {
+                let more = if d.deflate.is_empty() { "" } else { " and those that deflation finds" };
+                let _ = writeln!(
+                    out,
+                    "  computed: branches from the model's start and {} states{more}, and all that branch off within {} switches, \
+                     at most {}",
+                    d.states.len(),
+                    d.depth,
+                    d.max_branches
+                );
+                let count = d.equilibria.spectrum.max(4);
+                let _ = writeln!(
+                    out,
+                    "  computed: {count} leading eigenvalues at every point; Hopf points, folds and branch points with their normal form"
+                );
+                out += &yes_no(d.cycles.is_some(), "cycles from every Hopf point".into(), "cycles = false");
+            }
             TaskKind::FoldCurve(curve) => {
                 let _ = writeln!(out, "  computed: folds from {}, both ways along the curve", curve.from);
                 out += "  computed: points of codimension two (CP, BT, ZH)\n";
@@ -122,7 +139,8 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
             }
         }
         let of_cycles = matches!(task.kind, TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_));
-        if of_cycles || matches!(task.kind, TaskKind::Equilibria(_) | TaskKind::Cycles(_) | TaskKind::FoldCurve(_)) {
+        let of_states = matches!(task.kind, TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::FoldCurve(_));
+        if of_cycles || of_states || matches!(task.kind, TaskKind::Cycles(_)) {
             let list = ready.study.observables();
             let wanted: Vec<&str> = prepared.observables.iter().map(|&i| list[i].name).collect();
             let others: Vec<&str> = list.iter().map(|o| o.name).filter(|name| !wanted.contains(name)).collect();

@@ -32,7 +32,8 @@ pub struct Checkpoint {
 #[derive(Serialize, Deserialize)]
 enum State {
     Midway(Box<Checkpoint>),
-    Finished(Box<Outcome>),
+    /// One branch, or those of a diagram.
+    Finished(Vec<Outcome>),
 }
 
 #[derive(Serialize, Deserialize)]
@@ -71,10 +72,10 @@ impl Keeper {
         (kept.scene == self.scene).then_some(kept.state)
     }
 
-    /// The outcome of a task that was finished before.
-    pub fn finished(&self, task: &str) -> Option<Outcome> {
+    /// The outcomes of a task that was finished before.
+    pub fn finished(&self, task: &str) -> Option<Vec<Outcome>> {
         match self.read(task)? {
-            State::Finished(outcome) => Some(*outcome),
+            State::Finished(outcomes) => Some(outcomes),
             State::Midway(_) => None,
         }
     }
@@ -100,8 +101,8 @@ impl Keeper {
         self.last.set(Some(Instant::now()));
     }
 
-    pub fn finish(&self, task: &str, outcome: &Outcome) {
-        self.write(task, State::Finished(Box::new(outcome.clone())));
+    pub fn finish(&self, task: &str, outcomes: &[Outcome]) {
+        self.write(task, State::Finished(outcomes.to_vec()));
     }
 
     fn write(&self, task: &str, state: State) {

@@ -6,7 +6,7 @@ use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
 use crate::orbit::bifurcations::Critical;
 use crate::problem::{Automatic, Default, Observable, Problem, Tie, Tied};
-use crate::scene::{Expression, Fault, OptionValue, Place, Scene, SceneError, Task, TaskKind, Value, units};
+use crate::scene::{Expression, Fault, OptionValue, Place, Scene, SceneError, Task, TaskKind, Value, owner, units};
 use num_dual::{Dual64, HyperDual64};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -306,12 +306,37 @@ impl Study {
         })
     }
 
+    /// States are given by unknowns of the model, and in a diagram by the free parameter.
+    fn check_guesses(&self, scene: &Scene, task: &Task) -> Result<(), SceneError> {
+        let guesses = match &task.kind {
+            TaskKind::Equilibria(task) => task.guess.as_slice(),
+            TaskKind::Diagram(task) => &task.states,
+            _ => &[],
+        };
+        let (along, names) = (task.kind.along(), self.model.unknowns());
+        for (name, value, at) in guesses.iter().flat_map(|guess| &guess.values) {
+            if *name == along.free {
+                let (from, to) = (along.range.from, along.range.to);
+                if !(from..=to).contains(value) {
+                    return Err(scene.fault(at, Fault::OutsideRange { value: *value, from, to }));
+                }
+            } else if names.is_empty() {
+                return Err(scene.refuse(at, "the unknowns of this model have no names, so that no state can be given"));
+            } else if !names.contains(name) {
+                let known = names.iter().map(String::as_str).chain([along.free.as_str()]);
+                return Err(scene.fault(at, Fault::unknown("unknown of the model", name, known)));
+            }
+        }
+        Ok(())
+    }
+
     /// Observables that the task, its figures or expectations name; an unknown name is an error.
     fn wanted(&self, scene: &Scene, task: &Task) -> Result<(Vec<usize>, Vec<cycles::Average>), SceneError> {
         let along = task.kind.along();
         let of_cycles = [&["period", "frequency", "trivial_error"][..], &cycles::VALUES].concat();
         let own: &[&str] = match task.kind {
             TaskKind::Equilibria(_) => &equilibria::VALUES,
+            TaskKind::Diagram(_) => &[&equilibria::VALUES[..], &["period", "trivial_error"]].concat(),
             TaskKind::Cycles(_) => &of_cycles,
             TaskKind::LpcCurve(_) => cycle_curve::values(Critical::Fold),
             TaskKind::PdCurve(_) => cycle_curve::values(Critical::Flip),
@@ -358,7 +383,7 @@ impl Study {
         }
         // Points are located on a column, so that here the name must be one: "max tip_angle" on cycles.
         let columns: Vec<String> = match &task.kind {
-            TaskKind::Equilibria(_) => list.iter().map(|o| o.name.to_owned()).collect(),
+            TaskKind::Equilibria(_) | TaskKind::Diagram(_) => list.iter().map(|o| o.name.to_owned()).collect(),
             TaskKind::Cycles(_) => {
                 let extremes = list.iter().flat_map(|o| [format!("max {}", o.name), format!("min {}", o.name)]);
                 let averages = list.iter().flat_map(|o| [format!("mean {}", o.name), format!("norm {}", o.name)]);
@@ -384,9 +409,26 @@ impl Study {
                 note(name, &figure.at)?;
             }
         }
-        for expect in scene.expect.iter().filter(|e| e.label.starts_with(&format!("{}/", task.name))) {
+        let own = |label: &str| {
+            let branch = label.split('/').next().unwrap_or_default();
+            owner(&scene.tasks, branch).is_some_and(|found| found.name == task.name)
+        };
+        for expect in scene.expect.iter().filter(|e| own(&e.label)) {
             note(&expect.quantity, &expect.at)?;
         }
+        if let TaskKind::Diagram(diagram) = &task.kind {
+            for (name, range) in &diagram.equilibria.bounds {
+                if !list.iter().any(|o| o.name == name) {
+                    let known = list.iter().map(|o| o.name);
+                    return Err(scene.fault(&range.at, Fault::unknown("observable", name, known)));
+                }
+            }
+            // Something has to be drawn.
+            if wanted.is_empty() && !list.is_empty() {
+                wanted.insert(0);
+            }
+        }
+        self.check_guesses(scene, task)?;
         Ok((wanted.into_iter().collect(), averages.into_iter().collect()))
     }
 }
