@@ -11,12 +11,13 @@
 //! | module | what it holds | look at first |
 //! |---|---|---|
 //! | [`problem`] | what is followed: [`problem::Problem`], and [`problem::Formula`] from which the rest is derived by dual numbers | `problem::Formula` |
-//! | [`linalg`] | LU, bordered systems, eigenvalues of pencils | `linalg::pencil` |
+//! | [`linalg`] | LU, bordered systems, eigenvalues of pencils and of products | `linalg::pencil` |
 //! | [`continuation`] | predictor, corrector, step control, points between points; surfaces by charts | `continuation::Walk` |
 //! | [`bifurcation`] | equilibria as curves and over grids, eigenvalue branches, Hopf points and folds, their curves and surfaces, normal forms, calibration | `bifurcation::Hopf` |
 //! | [`orbit`] | collocation, condensation, mesh, multipliers, start from a Hopf point | `orbit::Collocation` |
+//! | [`expression`] | arithmetic as text: grammar, tree, statements of models | `expression::Node` |
 //! | [`models`] | the models that scenes can name | `models::TwoDoublet` |
-//! | [`scene`] | TOML to typed scene, expressions, units, errors with file and line | `scene::Scene` |
+//! | [`scene`] | TOML to typed scene, units, errors with file and line | `scene::Scene` |
 //! | [`branch`] | what was found, as plain data; CSV and NPZ | `branch::Branch` |
 //! | [`plot`] | branches to SVG | `plot::draw` |
 //! | [`run`] | the conductor: scene, problem, continuation, branch, files | `run::run` |
@@ -60,6 +61,8 @@ pub mod branch;
 #[cfg(feature = "program")]
 pub mod cli;
 pub mod continuation;
+#[cfg(feature = "program")]
+pub mod expression;
 pub mod linalg;
 pub mod models;
 pub mod orbit;

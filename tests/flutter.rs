@@ -72,7 +72,7 @@ impl Rod {
         let at = At { u, v: &rest, p: &self.p };
         self.problem.residual(at, &mut g);
         let (_, gv) = self.problem.linearised(at);
-        Lu::new(gv.dense()).unwrap().solve(&mut g);
+        Lu::new(gv.as_ref()).unwrap().solve(&mut g);
         g.iter().map(|g| -g).collect()
     }
 }
@@ -364,7 +364,7 @@ fn vanishing_internal_damping_halves_becks_load() {
         let n = at.problem.dim();
         let rest = at.straight();
         let (gu, gv) = at.problem.linearised(At { u: &rest, v: &rest, p: &at.p });
-        let (gu, gv) = (gu.dense(), gv.dense());
+        let (gu, gv) = (gu.as_ref(), gv.as_ref());
         // Right and left vectors of the lowest pair; the left one from the transposed pencil.
         let lowest = |a: faer::Mat<f64>, m: faer::Mat<f64>| {
             let pairs = hopfline::linalg::pencil(a.as_ref(), m.as_ref(), 30.0, n).unwrap();

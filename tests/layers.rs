@@ -10,10 +10,11 @@ use std::path::{Path, PathBuf};
 const ALLOWED: &[(&str, &[&str])] = &[
     ("linalg", &[]),
     ("branch", &[]),
-    ("scene", &[]),
+    ("expression", &[]),
+    ("scene", &["expression"]),
     ("error", &[]),
     ("problem", &["linalg"]),
-    ("models", &["problem", "linalg"]),
+    ("models", &["problem", "linalg", "expression"]),
     ("continuation", &["problem", "linalg"]),
     ("bifurcation", &["continuation", "problem", "linalg"]),
     ("orbit", &["continuation", "problem", "linalg", "bifurcation"]),

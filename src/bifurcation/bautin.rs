@@ -45,7 +45,7 @@ impl Bautin {
         let rest = vec![0.0; n];
         let at = At { u: &hopf.u, v: &rest, p: &hopf.p };
         let (gu, gv) = problem.linearised(at);
-        let (gu, gv) = (gu.dense(), gv.dense());
+        let (gu, gv) = (gu.as_ref(), gv.as_ref());
         let pencil = |l: usize| Mat::from_fn(n, n, |i, j| c64::new(gu[(i, j)], l as f64 * hopf.omega * gv[(i, j)]));
         let mass = |x: &[c64]| -> Vec<c64> { (0..n).map(|i| (0..n).map(|j| x[j] * gv[(i, j)]).sum()).collect() };
         // A(i omega) bordered by M q and (w^H M): the border's unknown is the coefficient.

@@ -32,7 +32,7 @@ impl BogdanovTakens {
         let rest = vec![0.0; n];
         let at = At { u, v: &rest, p };
         let (gu, gv) = problem.linearised(at);
-        let (gu, gv) = (gu.dense(), gv.dense());
+        let (gu, gv) = (gu.as_ref(), gv.as_ref());
         let size = gu.norm_max();
         let unit = |x: &[f64]| -> Vec<f64> {
             let norm = dot(x, x).sqrt();

@@ -88,10 +88,10 @@ impl<'a> Centre<'a> {
         let (gu, gv) = problem.linearised(at);
         let direction = |mode: &Mode| Complex { u: mode.q.clone(), v: mode.q.iter().map(|z| mode.sigma * z).collect() };
         let directions: Vec<Complex> = modes.iter().map(direction).collect();
-        let mut centre = Self { problem, at, gv: gv.dense().to_owned(), modes, directions, pairs: Vec::new() };
+        let mut centre = Self { problem, at, gv: gv.as_ref().to_owned(), modes, directions, pairs: Vec::new() };
         for j in 0..centre.modes.len() {
             for k in 0..=j {
-                let pair = centre.pair(gu.dense(), j, k)?;
+                let pair = centre.pair(gu.as_ref(), j, k)?;
                 centre.pairs.push(pair);
             }
         }

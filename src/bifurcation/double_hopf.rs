@@ -28,7 +28,7 @@ impl DoubleHopf {
         let rest = vec![0.0; u.len()];
         let at = At { u, v: &rest, p };
         let (gu, gv) = problem.linearised(at);
-        let mode = |omega: f64| Mode::of(gu.dense(), gv.dense(), c64::new(0.0, omega));
+        let mode = |omega: f64| Mode::of(gu.as_ref(), gv.as_ref(), c64::new(0.0, omega));
         let (first, second) = (mode(omegas[0])?, mode(omegas[1])?);
         let modes = vec![first.clone(), first.conjugate(), second.clone(), second.conjugate()];
         let centre = Centre::new(problem, at, modes)?;

@@ -2,7 +2,7 @@
 
 use super::Coordinate;
 use crate::continuation::{Border, Factored, System};
-use crate::linalg::{Bordered, Eigenpair, Singular, pencil};
+use crate::linalg::{BorderedMatrix, Eigenpair, Leading, Singular, Structure, leading, pencil};
 use crate::problem::{At, Direction, Problem};
 use std::sync::Arc;
 
@@ -29,28 +29,52 @@ impl Equilibria {
         let n = u.len();
         let (rest, p) = (vec![0.0; n], self.parameters(lambda));
         let (gu, gv) = self.problem.linearised(At { u, v: &rest, p: &p });
-        pencil(gu.dense(), gv.dense(), shift, vectors)
+        pencil(gu.as_ref(), gv.as_ref(), shift, vectors)
+    }
+}
+
+/// More unknowns than this, and a problem with structure has only its leading eigenvalues computed.
+pub const ALL_EIGENVALUES: usize = 256;
+
+impl Equilibria {
+    /// The eigenvalues that matter for stability: all of them, or for large problems with structure at least `count` of
+    /// the leading ones (see [`crate::linalg::leading`]).
+    pub fn leading(
+        &self,
+        u: &[f64],
+        lambda: f64,
+        shift: f64,
+        count: usize,
+        vectors: usize,
+    ) -> Result<Leading, Singular> {
+        if u.len() <= ALL_EIGENVALUES || self.problem.structure() == Structure::Dense {
+            let pairs = self.spectrum(u, lambda, shift, vectors)?;
+            return Ok(Leading { pairs, covered: f64::INFINITY, bound: None });
+        }
+        let (rest, p) = (vec![0.0; u.len()], self.parameters(lambda));
+        let (gu, gv) = self.problem.matrices(At { u, v: &rest, p: &p });
+        leading(&gu, &gv, shift, count).map_err(|_| Singular)
     }
 }
 
 impl System for Equilibria {
-    type Factors = Bordered<f64>;
+    type Factors = BorderedMatrix;
 
     fn residual(&self, x: &[f64], lambda: f64, r: &mut [f64]) {
         let rest = vec![0.0; x.len()];
         self.problem.residual(At { u: x, v: &rest, p: &self.parameters(lambda) }, r);
     }
 
-    fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<Bordered<f64>, Singular> {
+    fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<BorderedMatrix, Singular> {
         let n = x.len();
         let (rest, p) = (vec![0.0; n], self.parameters(lambda));
         let at = At { u: x, v: &rest, p: &p };
-        let (gu, _) = self.problem.linearised(at);
+        let (gu, _) = self.problem.matrices(at);
         let mut unit = vec![0.0; p.len()];
         unit[self.coordinate.index] = self.coordinate.rate(lambda);
         let mut by_lambda = vec![0.0; n];
         self.problem.derivative(at, &[Direction { u: &[], v: &[], p: &unit }], &mut by_lambda);
-        Bordered::new(gu.dense(), &by_lambda, &border.row, border.lambda)
+        BorderedMatrix::new(&gu, &[&by_lambda], &[&border.row], &[&[border.lambda]])
     }
 
     fn dual(&self, t: &[f64]) -> Vec<f64> {
@@ -63,8 +87,8 @@ impl System for Equilibria {
     }
 }
 
-impl Factored for Bordered<f64> {
+impl Factored for BorderedMatrix {
     fn solve(&self, right: &mut [f64]) {
-        Bordered::solve(self, right);
+        BorderedMatrix::solve(self, right);
     }
 }

@@ -13,9 +13,8 @@
 //! quadratically to rounding. Second derivatives are exact.
 
 use super::multilinear::Complex;
-use crate::linalg::{Bordered, Lu, Singular, c64};
+use crate::linalg::{BorderedPencil, Factors, Singular, c64};
 use crate::problem::{At, Direction, Problem};
-use faer::Mat;
 use thiserror::Error;
 
 /// A Hopf point with its eigenvectors, `q^H q = 1`, `w^H M q = 1`.
@@ -133,9 +132,8 @@ impl Frame {
         let n = problem.dim();
         let rest = vec![0.0; n];
         let at = At { u: &hopf.u, v: &rest, p: &hopf.p };
-        let (gu, gv) = problem.linearised(at);
-        let (gu, gv) = (gu.dense(), gv.dense());
-        let lu = Lu::new(gu)?;
+        let (gu, gv) = problem.matrices(at);
+        let lu = Factors::new(&gu)?;
         let mut correction = vec![0.0; n];
         problem.residual(at, &mut correction);
         lu.solve(&mut correction);
@@ -147,16 +145,15 @@ impl Frame {
         lu.solve(&mut du_dp);
         du_dp.iter_mut().for_each(|c| *c = -*c);
 
-        let a = Mat::from_fn(n, n, |i, j| c64::new(gu[(i, j)], hopf.omega * gv[(i, j)]));
         let unit = |z: &[c64]| -> Vec<c64> {
             let norm = z.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
             z.iter().map(|z| z / norm).collect()
         };
         // Borders with entries of A's own size keep the bordered matrix well conditioned.
-        let size = a.norm_max();
+        let size = gu.norm_max().max(hopf.omega.abs() * gv.norm_max());
         let b: Vec<c64> = unit(&hopf.w).iter().map(|z| z * size).collect();
         let c: Vec<c64> = unit(&hopf.q).iter().map(|z| z * size).collect();
-        let bordered = Bordered::new(a.as_ref(), &b, &c, c64::new(0.0, 0.0))?;
+        let bordered = BorderedPencil::new((&gu, &gv), c64::new(0.0, hopf.omega), &b, &c)?;
         let mut right = vec![c64::new(0.0, 0.0); n + 1];
         right[n] = c64::new(size, 0.0);
         let mut left = right.clone();
@@ -165,11 +162,7 @@ impl Frame {
         let g = right[n];
         right.truncate(n);
         left.truncate(n);
-        let mut mass = c64::new(0.0, 0.0);
-        for i in 0..n {
-            let row: c64 = (0..n).map(|j| right[j] * gv[(i, j)]).sum();
-            mass -= left[i].conj() * row;
-        }
+        let mass = -left.iter().zip(gv.times_complex(&right)).map(|(w, z)| w.conj() * z).sum::<c64>();
         // The two borders were scaled: w^H b = size, so dg = -w^H dA q / size.
         let mass = mass / size;
         Ok(Self { g, q: right, w: left.iter().map(|z| z / size).collect(), mass, correction, du_dp })

@@ -7,8 +7,9 @@
 use super::hopf_curve::{Borders, HopfFactors, Place, Scalar};
 use super::{Coordinate, Hopf, HopfError};
 use crate::continuation::{Bound, Chart, Surface};
-use crate::linalg::{Matrix, Singular, dot};
+use crate::linalg::{Singular, dot};
 use crate::problem::{At, Problem};
+use faer::Mat;
 use std::sync::Arc;
 
 /// Relative changes of kappa and u count as so much length: the parameters tell points of the surface apart, and it is in
@@ -73,7 +74,7 @@ impl HopfSurface {
     }
 
     /// G_u, G_v and all parameters.
-    fn linearised(&self, x: &[f64]) -> (Matrix, Matrix, Vec<f64>) {
+    fn linearised(&self, x: &[f64]) -> (Mat<f64>, Mat<f64>, Vec<f64>) {
         let n = self.problem.dim();
         let (rest, p) = (vec![0.0; n], self.parameters(x));
         let (gu, gv) = self.problem.linearised(At { u: &x[..n], v: &rest, p: &p });
@@ -97,7 +98,7 @@ impl HopfSurface {
         let n = self.problem.dim();
         let (gu, gv, _) = self.linearised(x);
         let kappa = self.kappa(x);
-        let q = Scalar::new(gu.dense(), gv.dense(), kappa, &self.borders)?.vector();
+        let q = Scalar::new(gu.as_ref(), gv.as_ref(), kappa, &self.borders)?.vector();
         let free = self.coordinates[solved].index;
         Hopf::locate(&*self.problem, (&x[..n], p), free, kappa.max(0.0).sqrt(), &q)
     }
@@ -112,14 +113,14 @@ impl Surface for HopfSurface {
         let rest = vec![0.0; n];
         self.problem.residual(At { u: &x[..n], v: &rest, p: &p }, &mut r[..n]);
         // A singular bordered matrix has no scalar: the residual then is not a number, and the step fails.
-        let scalar = Scalar::new(gu.dense(), gv.dense(), self.kappa(x), &self.borders);
+        let scalar = Scalar::new(gu.as_ref(), gv.as_ref(), self.kappa(x), &self.borders);
         (r[n], r[n + 1]) = scalar.map_or((f64::NAN, f64::NAN), |g| (g.a, g.b));
     }
 
     fn factor(&self, x: &[f64], rows: [&[f64]; 2]) -> Result<HopfFactors, Singular> {
         let n = self.problem.dim();
         let (gu, gv, p) = self.linearised(x);
-        let place = Place { u: &x[..n], kappa: self.kappa(x), p, linear: (gu.dense(), gv.dense()) };
+        let place = Place { u: &x[..n], kappa: self.kappa(x), p, linear: (gu.as_ref(), gv.as_ref()) };
         let coordinates: Vec<(Coordinate, f64)> =
             self.coordinates.iter().zip(self.places()).map(|(c, k)| (*c, x[k])).collect();
         HopfFactors::new(self.problem.clone(), place, &coordinates, &self.borders, &rows)
@@ -137,7 +138,7 @@ impl Surface for HopfSurface {
     fn prepared(&self, x: &[f64]) -> Self {
         let (gu, gv, _) = self.linearised(x);
         let mut surface = self.clone();
-        surface.borders.follow(gu.dense(), gv.dense(), self.kappa(x));
+        surface.borders.follow(gu.as_ref(), gv.as_ref(), self.kappa(x));
         surface.scales[self.problem.dim()] = surface.borders.unit.powi(-4);
         surface
     }

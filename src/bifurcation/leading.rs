@@ -4,8 +4,9 @@
 //! `G(u, 0, p) = 0` at fixed p, from the state at the last point; where it fails, by way of points in between.
 
 use crate::continuation::{Counts, Failure};
-use crate::linalg::{EigenFailure, Lu, Matrix, Rightmost, dot, finite, rightmost};
+use crate::linalg::{EigenFailure, Lu, Rightmost, dot, finite, rightmost};
 use crate::problem::{At, Problem};
+use faer::Mat;
 use thiserror::Error;
 
 /// Why there is nothing at a point.
@@ -38,8 +39,8 @@ pub struct Line<'a> {
 /// The equilibrium with `G_u` and `G_v` there.
 struct Settled {
     u: Vec<f64>,
-    gu: Matrix,
-    gv: Matrix,
+    gu: Mat<f64>,
+    gv: Mat<f64>,
 }
 
 const MOST_STEPS: usize = 16;
@@ -77,9 +78,9 @@ impl<'a> Line<'a> {
         let mut ask = |shift: f64| {
             counts.spectra += 1;
             // A shift may happen to be an eigenvalue; another one is not.
-            rightmost(gu.dense(), gv.dense(), shift).or_else(|_| {
+            rightmost(gu.as_ref(), gv.as_ref(), shift).or_else(|_| {
                 counts.spectra += 1;
-                rightmost(gu.dense(), gv.dense(), OTHER * shift)
+                rightmost(gu.as_ref(), gv.as_ref(), OTHER * shift)
             })
         };
         let after = |mode: &Rightmost| if mode.size > 0.0 { BEYOND * mode.size } else { 1.0 };
@@ -130,7 +131,7 @@ impl<'a> Line<'a> {
             if right.iter().all(|r| *r == 0.0) {
                 return Ok(Settled { u, gu, gv });
             }
-            Lu::new(gu.dense())?.solve(&mut right);
+            Lu::new(gu.as_ref())?.solve(&mut right);
             self.counts.factorisations += 1;
             self.counts.newton += 1;
             if !finite(&right) {

@@ -2,12 +2,15 @@
 
 mod bautin;
 mod bogdanov_takens;
+mod branch_point;
 mod branches;
 mod calibration;
 mod centre;
 mod coordinate;
+mod detect;
 mod double_hopf;
 mod equilibria;
+mod fold;
 mod fold_curve;
 mod hopf;
 mod hopf_curve;
@@ -21,11 +24,14 @@ mod zero_hopf;
 
 pub use bautin::Bautin;
 pub use bogdanov_takens::BogdanovTakens;
+pub use branch_point::{BranchError, BranchForm, BranchPoint, Scales, Tangent};
 pub use branches::{Ambiguous, Followed, follow, settle};
 pub use calibration::{Analysis, Calibration, Fit, FitError, Lost, Place, Quantity, Target, Unknown};
 pub use coordinate::Coordinate;
+pub use detect::{branch_points, folds, leaving, scales};
 pub use double_hopf::DoubleHopf;
-pub use equilibria::Equilibria;
+pub use equilibria::{ALL_EIGENVALUES, Equilibria};
+pub use fold::Fold;
 pub use fold_curve::{FoldCurve, FoldSegment, FoldTest};
 pub use hopf::{Hopf, HopfError};
 pub use hopf_curve::{HopfCurve, Segment, Test, reverse};

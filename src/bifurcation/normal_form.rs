@@ -15,9 +15,8 @@
 use super::Hopf;
 use super::hopf::HopfError;
 use super::multilinear::{Complex, second};
-use crate::linalg::{Lu, c64};
+use crate::linalg::{Factors, PencilFactors, c64};
 use crate::problem::{At, Problem};
-use faer::Mat;
 
 /// What is born at a Hopf point.
 #[derive(Clone, Debug)]
@@ -37,18 +36,16 @@ impl HopfNormalForm {
         let n = problem.dim();
         let rest = vec![0.0; n];
         let at = At { u: &hopf.u, v: &rest, p: &hopf.p };
-        let (gu, gv) = problem.linearised(at);
-        let (gu, gv) = (gu.dense(), gv.dense());
+        let (gu, gv) = problem.matrices(at);
         let q = Complex::new(&hopf.q, hopf.omega);
         let q_bar = q.conjugate();
 
         let twice = 2.0 * hopf.omega;
         let mut h20 = second(problem, at, &q, &q);
         h20.iter_mut().for_each(|z| *z = -*z);
-        let a = Mat::from_fn(n, n, |i, j| c64::new(gu[(i, j)], twice * gv[(i, j)]));
-        Lu::new(a.as_ref())?.solve(&mut h20);
+        PencilFactors::new(&gu, &gv, c64::new(0.0, twice))?.solve(&mut h20);
         let mut h11: Vec<f64> = second(problem, at, &q, &q_bar).iter().map(|z| -z.re).collect();
-        Lu::new(gu)?.solve(&mut h11);
+        Factors::new(&gu)?.solve(&mut h11);
 
         let steady = Complex { u: h11.iter().map(|&x| c64::new(x, 0.0)).collect(), v: Vec::new() };
         let double = Complex::new(&h20, twice);

@@ -37,14 +37,14 @@ impl ZeroHopf {
         let rest = vec![0.0; u.len()];
         let at = At { u, v: &rest, p };
         let (gu, gv) = problem.linearised(at);
-        let mut steady = Mode::of(gu.dense(), gv.dense(), c64::new(0.0, 0.0))?;
+        let mut steady = Mode::of(gu.as_ref(), gv.as_ref(), c64::new(0.0, 0.0))?;
         // The kernel is real: its vectors are made so, the largest entry being positive.
         let pivot = steady.q.iter().copied().fold(c64::new(0.0, 0.0), |a, b| if b.norm() > a.norm() { b } else { a });
         let turn = pivot.conj() / pivot.norm();
         for x in [&mut steady.q, &mut steady.w] {
             x.iter_mut().for_each(|z| *z = c64::new((*z * turn).re, 0.0));
         }
-        let pair = Mode::of(gu.dense(), gv.dense(), c64::new(0.0, omega))?;
+        let pair = Mode::of(gu.as_ref(), gv.as_ref(), c64::new(0.0, omega))?;
         let modes = vec![steady, pair.clone(), pair.conjugate()];
         let centre = Centre::new(problem, at, modes)?;
         let (x, z, z_bar) = (0, 1, 2);

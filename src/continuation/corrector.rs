@@ -1,5 +1,6 @@
 //! Bordered Newton with as few factorisations as convergence allows.
 
+use super::chord::{Settled, settle};
 use super::{Border, Counts, Factored, Point, System, inner};
 use crate::linalg::{Singular, finite};
 use thiserror::Error;
@@ -28,7 +29,7 @@ pub enum Failure {
 }
 
 /// Newton steps in the metric's norm, in which solutions are of order one, shrink to this.
-const TOLERANCE: f64 = 1e-11;
+pub(super) const TOLERANCE: f64 = 1e-11;
 /// or, in ill-conditioned systems, to rounding: below this, steps with fresh factors that shrink no more are noise.
 const ROUNDING: f64 = 1e-9;
 /// Steps with old factors go on while they shrink at least this fast.
@@ -93,6 +94,37 @@ pub fn correct<S: System>(
         last = size;
     }
     Err(Failure::Diverged(last))
+}
+
+/// The same with factors from elsewhere on the curve: one factorisation, at the solution. An error where those factors
+/// do not lead there.
+pub fn correct_with<S: System>(
+    system: &S,
+    start: (Vec<f64>, f64),
+    held: &S::Factors,
+    border: &Border,
+    counts: &mut Counts,
+) -> Result<Corrected<S::Factors>, Failure> {
+    let Settled { x, lambda, steps, distance } = settle(system, start, held, counts)?;
+    counts.factorisations += 1;
+    let factors = system.factor(&x, lambda, border)?;
+    let point = tangent(system, x, lambda, &factors)?;
+    // Three steps with old factors gain about as much as one with fresh ones.
+    Ok(Corrected { point, factors, steps: steps.div_ceil(3), distance })
+}
+
+/// A point that is nearly a solution, made one, with its tangent: one factorisation, at the start.
+pub fn polish<S: System>(
+    system: &S,
+    start: (Vec<f64>, f64),
+    border: &Border,
+    counts: &mut Counts,
+) -> Result<Corrected<S::Factors>, Failure> {
+    counts.factorisations += 1;
+    let factors = system.factor(&start.0, start.1, border)?;
+    let Settled { x, lambda, steps, distance } = settle(system, start, &factors, counts)?;
+    let point = tangent(system, x, lambda, &factors)?;
+    Ok(Corrected { point, factors, steps, distance })
 }
 
 /// The unit tangent: `[H_x, H_lambda; border] t = (0, 1)`, normalised.

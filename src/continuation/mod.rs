@@ -7,6 +7,7 @@
 //! (Keller 1977; Allgower and Georg 2003, doi:10.1137/1.9780898719154.) It knows nothing of what the curve is made of.
 
 mod between;
+mod chord;
 mod corrector;
 mod manifold;
 mod step;
@@ -31,7 +32,7 @@ pub struct Point {
 }
 
 /// The last row of a bordered system: `row . x + lambda_entry * lambda`.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
 pub struct Border {
     pub row: Vec<f64>,
     pub lambda: f64,

@@ -1,7 +1,9 @@
 //! The walk along a curve: an iterator of accepted steps.
 
+use super::corrector::{correct_with, polish};
 use super::{Border, Corrected, Counts, Failure, Point, StepControl, System, at_lambda, correct, inner};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Why a walk ended.
@@ -28,6 +30,8 @@ pub struct WalkState {
     bend: Option<(Vec<f64>, f64)>,
     first: Option<Point>,
     steps: usize,
+    /// The border of the factors at the point, if they are at hand for the next step.
+    border: Option<Border>,
 }
 
 /// A step from one solution to the next, both on the same mesh.
@@ -35,7 +39,7 @@ pub struct Step<F> {
     pub from: Point,
     pub to: Point,
     /// Factors at `to`.
-    pub factors: F,
+    pub factors: Arc<F>,
     /// Set on the last step.
     pub stop: Option<Stop>,
 }
@@ -46,17 +50,21 @@ pub struct Walk<'a, S: System> {
     pub state: WalkState,
     pub counts: Counts,
     range: (f64, f64),
+    /// Factors at the point, with which the next step is corrected as long as they serve.
+    held: Option<Arc<S::Factors>>,
 }
 
 impl<'a, S: System> Walk<'a, S> {
     /// From a solution with its tangent; `range` has the lower end first.
     pub fn new(system: &'a mut S, point: Point, control: StepControl, range: (f64, f64)) -> Self {
-        let state = WalkState { point, control, bend: None, first: None, steps: 0 };
+        let state = WalkState { point, control, bend: None, first: None, steps: 0, border: None };
         Self::resume(system, state, range)
     }
 
     pub fn resume(system: &'a mut S, state: WalkState, range: (f64, f64)) -> Self {
-        Self { system, state, counts: Counts::default(), range }
+        let WalkState { point, border, .. } = &state;
+        let held = border.as_ref().and_then(|border| system.factor(&point.x, point.lambda, border).ok()).map(Arc::new);
+        Self { system, state, counts: Counts::default(), range, held }
     }
 
     /// The next accepted step, or the reason why there is none.
@@ -64,6 +72,8 @@ impl<'a, S: System> Walk<'a, S> {
         let mut from = self.state.point.clone();
         if self.system.prepare(&mut from) {
             self.state.bend = None;
+            self.held = None;
+            self.settle(&mut from);
         }
         loop {
             let h = self.state.control.step;
@@ -84,11 +94,30 @@ impl<'a, S: System> Walk<'a, S> {
         }
     }
 
+    /// A point that was moved to another mesh is solved for there; the factors serve for the step. Where that fails, the
+    /// step will show it.
+    fn settle(&mut self, from: &mut Point) {
+        let border = self.border(from);
+        let start = (from.x.clone(), from.lambda);
+        if let Ok(Corrected { point, factors, .. }) = polish(&*self.system, start, &border, &mut self.counts) {
+            *from = point;
+            self.held = Some(Arc::new(factors));
+        }
+    }
+
     /// Predicts at arclength h from a point and corrects on the hyperplane across the tangent.
     fn attempt(&mut self, from: &Point, h: f64) -> Result<Corrected<S::Factors>, Failure> {
         let (x, lambda) = self.predict(from, h);
         let border = self.border(from);
-        let corrected = correct(&*self.system, (x, lambda), &border, &mut self.counts)?;
+        let counts = &mut self.counts;
+        let quick = match &self.held {
+            Some(held) => correct_with(&*self.system, (x.clone(), lambda), held, &border, counts).ok(),
+            None => None,
+        };
+        let corrected = match quick {
+            Some(corrected) => corrected,
+            None => correct(&*self.system, (x, lambda), &border, counts)?,
+        };
         // A turn by more than a right angle means that another part of the curve was hit.
         let to = &corrected.point;
         let cosine = inner(&*self.system, (&from.tangent, from.tangent_lambda), (&to.tangent, to.tangent_lambda));
@@ -122,7 +151,10 @@ impl<'a, S: System> Walk<'a, S> {
             self.state.first = Some(from.clone());
         }
         self.state.point = to.clone();
-        Step { from, to, factors: corrected.factors, stop }
+        self.state.border = Some(self.border(&from));
+        let factors = Arc::new(corrected.factors);
+        self.held = Some(factors.clone());
+        Step { from, to, factors, stop }
     }
 
     /// Whether the curve is back at its first point, going the same way.
@@ -154,6 +186,6 @@ impl<'a, S: System> Walk<'a, S> {
         let to = corrected.point;
         self.state.point = to.clone();
         self.state.steps += 1;
-        Ok(Step { from, to, factors: corrected.factors, stop: Some(Stop::RangeEnd) })
+        Ok(Step { from, to, factors: Arc::new(corrected.factors), stop: Some(Stop::RangeEnd) })
     }
 }

@@ -46,20 +46,7 @@ impl<T: ComplexField + Finite> Lu<T> {
 impl Lu<f64> {
     /// Sign of the determinant.
     pub fn sign(&self) -> f64 {
-        let (forward, _) = self.factors.P().arrays();
-        let mut seen = vec![false; self.n];
-        let mut sign = 1.0;
-        for start in 0..self.n {
-            let (mut i, mut length) = (start, 0);
-            while !seen[i] {
-                seen[i] = true;
-                i = forward[i];
-                length += 1;
-            }
-            if length > 0 && length % 2 == 0 {
-                sign = -sign;
-            }
-        }
+        let sign = super::sparse::parity(self.factors.P().arrays().0);
         (0..self.n).fold(sign, |sign, i| sign * self.factors.U()[(i, i)].signum())
     }
 }

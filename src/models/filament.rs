@@ -120,8 +120,10 @@ impl Formula for Filament {
 
     fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix) {
         let slopes = slopes(&self.basis, &self.forces(at.p), &State { psi: at.u, rate: at.v, acceleration: None });
-        gu.dense_mut().copy_from(slopes.psi);
-        gv.dense_mut().copy_from(slopes.rate);
+        if let (Matrix::Dense(gu), Matrix::Dense(gv)) = (gu, gv) {
+            gu.copy_from(slopes.psi);
+            gv.copy_from(slopes.rate);
+        }
     }
 
     fn time_unit(&self) -> &'static str {

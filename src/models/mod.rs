@@ -7,6 +7,8 @@ mod lorenz84;
 mod options;
 mod panel;
 mod rod;
+#[cfg(feature = "program")]
+pub mod text;
 
 pub use column::{Column, Pipe};
 pub use filament::{Base, Filament};

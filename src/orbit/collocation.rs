@@ -7,8 +7,8 @@
 //! border . (u, P, lambda) = 0     (continuation's own row).
 //! ```
 
-use super::condensation::{Condensed, Elimination, Forwarded, Reach};
-use super::{Multipliers, Orbit, Points, Scheme, adapted, multipliers};
+use super::condensation::{Condensed, Forwarded, Interval, Reach};
+use super::{FloquetError, Multipliers, Orbit, Points, Scheme, Transitions, adapted, multipliers};
 use crate::continuation::{Border, Factored, Point, System};
 use crate::linalg::{Lu, Matrix, Singular};
 use crate::problem::{At, Direction, Problem, Reflection};
@@ -38,10 +38,14 @@ pub struct Frame {
 pub struct Collocation {
     pub frame: Frame,
     pub scheme: Scheme,
+    /// The error that the mesh is to have, relative to the orbit's size; None: the number of intervals is kept.
+    pub tolerance: Option<f64>,
     points: Points,
     pub mesh: Vec<f64>,
+    /// The orbit that the phase condition refers to.
+    reference: Orbit,
     /// `int <., u_ref'> dtau` as a row over all nodes but the last.
-    phase: Vec<f64>,
+    pub(super) phase: Vec<f64>,
     /// Weight of each node in the metric, the last node's carried by the first.
     weights: Vec<f64>,
 }
@@ -52,8 +56,10 @@ impl Collocation {
         let mut system = Self {
             frame,
             scheme: orbit.scheme(),
+            tolerance: None,
             points: orbit.points,
             mesh: Vec::new(),
+            reference: orbit.clone(),
             phase: Vec::new(),
             weights: Vec::new(),
         };
@@ -61,8 +67,18 @@ impl Collocation {
         system
     }
 
+    /// The orbit that the phase condition refers to: a system made from it is this one.
+    pub fn reference(&self) -> &Orbit {
+        &self.reference
+    }
+
     fn n(&self) -> usize {
         self.frame.symmetry.sign.len()
+    }
+
+    /// Intervals that one thread takes at least: less work than some ten microseconds is not worth sharing.
+    fn grain(&self) -> usize {
+        (200_000 / (self.n() * self.scheme.degree).pow(3)).max(1)
     }
 
     fn intervals(&self) -> usize {
@@ -106,6 +122,7 @@ impl Collocation {
     fn refer_to(&mut self, orbit: &Orbit) {
         let (n, m) = (orbit.dim, self.scheme.degree);
         self.mesh = orbit.mesh.clone();
+        self.reference = orbit.clone();
         let nodes = self.intervals() * m;
         self.phase = vec![0.0; (nodes + 1) * n];
         self.weights = vec![0.0; nodes];
@@ -136,7 +153,7 @@ impl Collocation {
     }
 
     /// u and u' (per P) at Gauss point i of interval j.
-    fn state(&self, orbit: &Orbit, j: usize, i: usize) -> (Vec<f64>, Vec<f64>) {
+    pub(super) fn state(&self, orbit: &Orbit, j: usize, i: usize) -> (Vec<f64>, Vec<f64>) {
         let (n, m) = (orbit.dim, self.scheme.degree);
         let rate = 1.0 / ((self.mesh[j + 1] - self.mesh[j]) * orbit.part);
         let (mut u, mut v) = (vec![0.0; n], vec![0.0; n]);
@@ -150,39 +167,47 @@ impl Collocation {
         (u, v)
     }
 
+    /// `G(u, u', p)` at all collocation points of an orbit, which need not close.
+    pub(super) fn equations(&self, orbit: &Orbit, p: &[f64], r: &mut [f64]) {
+        let n = self.n();
+        let rows = r.par_chunks_mut(self.scheme.degree * n).with_min_len(16 * self.grain());
+        rows.enumerate().for_each(|(j, rows)| {
+            for (i, row) in rows.chunks_mut(n).enumerate() {
+                let (u, v) = self.state(orbit, j, i);
+                self.frame.problem.residual(At { u: &u, v: &v, p }, row);
+            }
+        });
+    }
+
     /// The equations of interval j, linearised, with its inner nodes eliminated.
-    fn eliminate(&self, orbit: &Orbit, p: &[f64], j: usize) -> Result<Elimination, Singular> {
+    fn eliminate(&self, orbit: &Orbit, p: &[f64], j: usize) -> Result<Interval, Singular> {
         let (n, m) = (orbit.dim, self.scheme.degree);
         let rate = 1.0 / ((self.mesh[j + 1] - self.mesh[j]) * orbit.part);
-        let (mut inside, mut right) = (Mat::zeros(m * n, (m - 1) * n), Mat::zeros(m * n, 2 * n + 2));
         let structure = self.frame.problem.structure();
-        let (mut gu, mut gv) = (Matrix::zeros(structure, n), Matrix::zeros(structure, n));
         let mut unit = vec![0.0; p.len()];
         unit[self.frame.free] = 1.0;
-        let mut by_lambda = vec![0.0; n];
+        let (mut blocks, mut scalars) = (Vec::with_capacity(m), Vec::with_capacity(m));
+        let (mut moved, mut by_lambda) = (vec![0.0; n], vec![0.0; n]);
         for i in 0..m {
             let (u, v) = self.state(orbit, j, i);
             let at = At { u: &u, v: &v, p };
+            let (mut gu, mut gv) = (Matrix::zeros(structure.clone(), n), Matrix::zeros(structure.clone(), n));
             self.frame.problem.linearise(at, &mut gu, &mut gv);
-            let (gu, gv) = (gu.dense(), gv.dense());
             self.frame.problem.derivative(at, &[Direction { u: &[], v: &[], p: &unit }], &mut by_lambda);
-            for l in 0..=m {
-                let (a, d) = (self.scheme.value[i][l], self.scheme.slope[i][l] * rate);
-                let block = match l {
-                    0 => right.as_mut().submatrix_mut(i * n, 0, n, n),
-                    l if l == m => right.as_mut().submatrix_mut(i * n, n, n, n),
-                    _ => inside.as_mut().submatrix_mut(i * n, (l - 1) * n, n, n),
-                };
-                faer::zip!(block, gu, gv).for_each(|faer::unzip!(b, x, y)| *b = a * *x + d * *y);
-            }
             // dG/dP = -G_v v / P.
-            for row in 0..n {
-                let moved: f64 = (0..n).map(|k| gv[(row, k)] * v[k]).sum();
-                right[(i * n + row, 2 * n)] = -moved / orbit.part;
-                right[(i * n + row, 2 * n + 1)] = by_lambda[row];
-            }
+            gv.times(&v, &mut moved);
+            scalars.push(moved.iter().zip(&by_lambda).flat_map(|(m, l)| [-m / orbit.part, *l]).collect());
+            blocks.push((gu, gv));
         }
-        Elimination::new(inside, right, n)
+        let slope: Vec<Vec<f64>> = self.scheme.slope.iter().map(|row| row.iter().map(|d| d * rate).collect()).collect();
+        Interval::new(blocks, (&self.scheme.value, &slope), &scalars)
+    }
+
+    /// All intervals at an orbit, which need not close, linearised and condensed.
+    pub(super) fn condensed(&self, orbit: &Orbit, p: &[f64]) -> Result<Condensed, Singular> {
+        let all = (0..self.intervals()).into_par_iter().with_min_len(self.grain());
+        let intervals: Result<Vec<_>, _> = all.map(|j| self.eliminate(orbit, p, j)).collect();
+        Condensed::new(intervals?, self.n())
     }
 }
 
@@ -191,24 +216,15 @@ impl System for Collocation {
 
     fn residual(&self, x: &[f64], lambda: f64, r: &mut [f64]) {
         let (n, m) = (self.n(), self.scheme.degree);
-        let orbit = self.orbit(x);
-        let p = self.parameters(lambda);
         let (equations, phase) = r.split_at_mut(self.intervals() * m * n);
-        equations.par_chunks_mut(m * n).enumerate().for_each(|(j, rows)| {
-            for (i, row) in rows.chunks_mut(n).enumerate() {
-                let (u, v) = self.state(&orbit, j, i);
-                self.frame.problem.residual(At { u: &u, v: &v, p: &p }, row);
-            }
-        });
+        self.equations(&self.orbit(x), &self.parameters(lambda), equations);
         phase[0] = crate::linalg::dot(&self.phase, &x[..x.len() - 1]);
     }
 
     fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<OrbitFactors, Singular> {
         let orbit = self.orbit(x);
         let p = self.parameters(lambda);
-        let eliminations: Result<Vec<_>, _> =
-            (0..self.intervals()).into_par_iter().map(|j| self.eliminate(&orbit, &p, j)).collect();
-        let condensed = Condensed::new(eliminations?, self.n())?;
+        let condensed = self.condensed(&orbit, &p)?;
         OrbitFactors::new(condensed, &self.phase, border, &self.frame)
     }
 
@@ -227,7 +243,7 @@ impl System for Collocation {
     /// Moves the mesh where the error is spread too unevenly, and takes the point as phase reference.
     fn prepare(&mut self, point: &mut Point) -> bool {
         let orbit = self.orbit(&point.x);
-        if let Some(mesh) = adapted(&orbit, &self.scheme, &self.frame.symmetry) {
+        if let Some(mesh) = adapted(&orbit, &self.scheme, &self.frame.symmetry, self.tolerance) {
             let moved = orbit.interpolated(&mesh, self.scheme.degree);
             let tangent = self.orbit(&point.tangent).interpolated(&mesh, self.scheme.degree);
             self.refer_to(&moved);
@@ -279,14 +295,34 @@ impl OrbitFactors {
         Ok(Self { condensed, ends, symmetry: frame.symmetry.clone(), parts: frame.parts })
     }
 
-    /// Floquet multipliers over the whole period.
-    pub fn multipliers(&self) -> Result<Multipliers, Singular> {
-        multipliers(self.condensed.transition(), &self.symmetry, self.parts)
+    /// Floquet multipliers over the whole period: all, or the leading ones.
+    pub fn multipliers(&self, wanted: Option<usize>) -> Result<Multipliers, FloquetError> {
+        multipliers(&self.transitions()?, &self.symmetry, self.parts, wanted)
     }
 
-    /// The condensed rows `[C D E]` that multipliers come from.
+    /// Sign of the determinant of what is left after elimination, `[C + D S, E; phase; border]`.
+    pub fn sign(&self) -> f64 {
+        self.ends.sign()
+    }
+
+    /// u(t + P) = S u(t).
+    pub fn symmetry(&self) -> &Reflection {
+        &self.symmetry
+    }
+
+    /// Floquet multipliers over the computed part of the period: all.
+    pub fn part_multipliers(&self) -> Result<Multipliers, FloquetError> {
+        multipliers(&self.transitions()?, &self.symmetry, 1, None)
+    }
+
+    /// The condensed rows `[C D E]` that couple the orbit's ends.
     pub fn transition(&self) -> MatRef<'_, f64> {
         self.condensed.transition()
+    }
+
+    /// The intervals' transition maps along the computed part of the period.
+    pub fn transitions(&self) -> Result<Transitions<'_>, Singular> {
+        Transitions::new(&self.condensed.intervals())
     }
 }
 

@@ -12,7 +12,8 @@
 //! doi:10.1137/1.9781611971231, section 7.4); transition matrices are never multiplied. Border rows (phase, arclength) are carried along.
 //! The work does not depend on the number of threads.
 
-use crate::linalg::Singular;
+use super::band::Band;
+use crate::linalg::{Matrix, Singular};
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::matmul::matmul;
@@ -25,6 +26,13 @@ pub struct Reach {
     pub b: Vec<f64>,
     pub z: [f64; 2],
 }
+
+/// Entries up to this size are taken as multipliers without exchanging rows: each joint then magnifies rounding errors
+/// by no more than that, and there are log2(intervals) of them above each other.
+const GROWTH: f64 = 8.0;
+
+/// Joints of fewer unknowns are made on one thread.
+const WORTH_SHARING: usize = 16;
 
 /// A tall block `[inside | right]` after elimination of its inside columns.
 pub struct Elimination {
@@ -60,6 +68,37 @@ impl Elimination {
         inside.as_ref().subrows(0, columns).solve_unit_lower_triangular_in_place(top.as_mut());
         matmul(bottom, Accum::Add, inside.as_ref().subrows(columns, n), top.as_ref(), -1.0, Par::Seq);
         Ok(Self { factors: inside, order, right, borders: Vec::new(), n })
+    }
+
+    /// Eliminates the point between two spans:
+    ///
+    /// ```text
+    /// C_l x_a + D_l x_m + E_l z = r_l,      C_r x_m + D_r x_b + E_r z = r_r.
+    /// ```
+    ///
+    /// Where D_l = -1 and no entry of C_r is large, partial pivoting would (nearly) keep the rows as they are: then
+    /// factors are known, and only the product C_r C_l is left to do.
+    fn joint(l: MatRef<'_, f64>, r: MatRef<'_, f64>, n: usize) -> Result<Self, Singular> {
+        let inside = Mat::from_fn(2 * n, n, |i, j| if i < n { l[(i, n + j)] } else { r[(i - n, j)] });
+        let mut right = Mat::from_fn(2 * n, 2 * n + 2, |i, j| match (i < n, j < n, j < 2 * n) {
+            (true, true, _) => l[(i, j)],
+            (true, false, true) | (false, true, _) => 0.0,
+            (true, false, false) => l[(i, j)],
+            (false, _, _) => r[(i - n, j)],
+        });
+        let negated = (0..n).all(|j| (0..n).all(|i| inside[(i, j)] == if i == j { -1.0 } else { 0.0 }));
+        if !negated || r.subcols(0, n).norm_max() > GROWTH {
+            return Self::new(inside, right, n);
+        }
+        let mut factors = inside;
+        factors.as_mut().subrows_mut(n, n).copy_from(faer::Scale(-1.0) * r.subcols(0, n));
+        let (top, mut bottom) = right.as_mut().split_at_row_mut(n);
+        let multipliers = factors.as_ref().subrows(n, n);
+        for (start, count) in [(0, n), (2 * n, 2)] {
+            let part = top.as_ref().subcols(start, count);
+            matmul(bottom.as_mut().subcols_mut(start, count), Accum::Add, multipliers, part, -1.0, Par::Seq);
+        }
+        Ok(Self { factors, order: (0..2 * n).collect(), right, borders: Vec::new(), n })
     }
 
     fn inside(&self) -> usize {
@@ -122,9 +161,90 @@ fn subtract_product(a: MatRef<'_, f64>, x: &[f64], y: &mut [f64]) {
     matmul(y, Accum::Add, a, x, -1.0, Par::Seq);
 }
 
-/// Intervals `first .. first + count` as one span.
+/// One interval's equations, factored.
+pub enum Interval {
+    Dense(Elimination),
+    Banded(Band),
+}
+
+impl Interval {
+    /// From the matrices G_u and G_v at the collocation points, which are of one structure, the values and slopes (per
+    /// time) of Lagrange polynomials there, and the columns of z, n rows of two at each point.
+    pub fn new(
+        blocks: Vec<(Matrix, Matrix)>,
+        (value, slope): (&[Vec<f64>], &[Vec<f64>]),
+        scalars: &[Vec<f64>],
+    ) -> Result<Self, Singular> {
+        let m = blocks.len();
+        let (mut dense, mut banded) = (Vec::new(), Vec::new());
+        for pair in blocks {
+            match pair {
+                (Matrix::Banded(gu), Matrix::Banded(gv)) => banded.push((gu, gv)),
+                (gu, gv) => dense.push((gu.into_dense(), gv.into_dense())),
+            }
+        }
+        if banded.len() == m {
+            return Ok(Interval::Banded(Band::new(&banded, (value, slope), scalars)?));
+        }
+        let n = dense.first().map_or(0, |(gu, _)| gu.nrows());
+        let (mut inside, mut right) = (Mat::zeros(m * n, (m - 1) * n), Mat::zeros(m * n, 2 * n + 2));
+        for (i, (gu, gv)) in dense.iter().enumerate() {
+            for l in 0..=m {
+                let (a, d) = (value[i][l], slope[i][l]);
+                let block = match l {
+                    0 => right.as_mut().submatrix_mut(i * n, 0, n, n),
+                    l if l == m => right.as_mut().submatrix_mut(i * n, n, n, n),
+                    _ => inside.as_mut().submatrix_mut(i * n, (l - 1) * n, n, n),
+                };
+                faer::zip!(block, gu, gv).for_each(|faer::unzip!(b, x, y)| *b = a * *x + d * *y);
+            }
+            for (row, z) in scalars[i].chunks(2).enumerate() {
+                (right[(i * n + row, 2 * n)], right[(i * n + row, 2 * n + 1)]) = (z[0], z[1]);
+            }
+        }
+        Ok(Interval::Dense(Elimination::new(inside, right, n)?))
+    }
+
+    fn inside(&self) -> usize {
+        match self {
+            Interval::Dense(elimination) => elimination.inside(),
+            Interval::Banded(band) => band.inside(),
+        }
+    }
+
+    /// `[C D E]`.
+    fn remaining(&self) -> MatRef<'_, f64> {
+        match self {
+            Interval::Dense(elimination) => elimination.remaining(),
+            Interval::Banded(band) => band.remaining(),
+        }
+    }
+
+    fn add_border(&mut self, row: &[f64]) -> Reach {
+        match self {
+            Interval::Dense(elimination) => elimination.add_border(row.to_vec()),
+            Interval::Banded(band) => band.add_border(row),
+        }
+    }
+
+    fn forward(&self, r: &[f64], border: &mut [f64]) -> (Vec<f64>, Vec<f64>) {
+        match self {
+            Interval::Dense(elimination) => elimination.forward(r, border),
+            Interval::Banded(band) => band.forward(r, border),
+        }
+    }
+
+    fn back(&self, top: Vec<f64>, a: &[f64], b: &[f64], z: &[f64; 2]) -> Vec<f64> {
+        match self {
+            Interval::Dense(elimination) => elimination.back(top, a, b, z),
+            Interval::Banded(band) => band.back(&top, a, z),
+        }
+    }
+}
+
+/// Neighbouring intervals as one span.
 enum Span {
-    Interval(Elimination),
+    Interval(Interval),
     Joined { left: Box<Span>, right: Box<Span>, joint: Elimination },
 }
 
@@ -135,43 +255,50 @@ enum Carried {
 }
 
 impl Span {
-    fn join(mut intervals: Vec<Elimination>, n: usize) -> Result<Self, Singular> {
+    fn join(mut intervals: Vec<Interval>, n: usize) -> Result<Self, Singular> {
         if intervals.len() == 1 {
             return intervals.pop().map(Span::Interval).ok_or(Singular);
         }
         let tail = intervals.split_off(intervals.len() / 2);
-        let (left, right) = rayon::join(|| Self::join(intervals, n), || Self::join(tail, n));
+        let (left, right) = if n < WORTH_SHARING {
+            (Self::join(intervals, n), Self::join(tail, n))
+        } else {
+            rayon::join(|| Self::join(intervals, n), || Self::join(tail, n))
+        };
         let (left, right) = (left?, right?);
-        // C_l x_a + D_l x_m + E_l z = r_l and C_r x_m + D_r x_b + E_r z = r_r.
-        let (l, r) = (left.last().remaining(), right.last().remaining());
-        let inside = Mat::from_fn(2 * n, n, |i, j| if i < n { l[(i, n + j)] } else { r[(i - n, j)] });
-        let outside = Mat::from_fn(2 * n, 2 * n + 2, |i, j| match (i < n, j < n, j < 2 * n) {
-            (true, true, _) => l[(i, j)],
-            (true, false, true) | (false, true, _) => 0.0,
-            (true, false, false) => l[(i, j)],
-            (false, _, _) => r[(i - n, j)],
-        });
-        let joint = Elimination::new(inside, outside, n)?;
+        let joint = Elimination::joint(left.remaining(), right.remaining(), n)?;
         Ok(Span::Joined { left: Box::new(left), right: Box::new(right), joint })
     }
 
-    fn last(&self) -> &Elimination {
+    /// The rows `[C D E]` that couple the span's ends.
+    fn remaining(&self) -> MatRef<'_, f64> {
         match self {
-            Span::Interval(elimination) => elimination,
-            Span::Joined { joint, .. } => joint,
+            Span::Interval(interval) => interval.remaining(),
+            Span::Joined { joint, .. } => joint.remaining(),
+        }
+    }
+
+    /// Appends the remaining rows of the span's intervals in order.
+    fn intervals<'a>(&'a self, out: &mut Vec<MatRef<'a, f64>>) {
+        match self {
+            Span::Interval(elimination) => out.push(elimination.remaining()),
+            Span::Joined { left, right, .. } => {
+                left.intervals(out);
+                right.intervals(out);
+            }
         }
     }
 
     /// `row` covers the span's nodes, its last one excluded.
     fn add_border(&mut self, row: &[f64], n: usize) -> Reach {
         match self {
-            Span::Interval(elimination) => {
-                let mut reach = elimination.add_border(row[n..].to_vec());
+            Span::Interval(interval) => {
+                let mut reach = interval.add_border(&row[n..]);
                 reach.a.iter_mut().zip(row).for_each(|(a, r)| *a += r);
                 reach
             }
             Span::Joined { left, right, joint } => {
-                let (row_left, row_right) = row.split_at(left.nodes() * n);
+                let (row_left, row_right) = row.split_at(left.nodes(n) * n);
                 let (l, r) = (left.add_border(row_left, n), right.add_border(row_right, n));
                 let middle = l.b.iter().zip(&r.a).map(|(x, y)| x + y).collect();
                 let mut reach = joint.add_border(middle);
@@ -184,22 +311,22 @@ impl Span {
     }
 
     /// Nodes of the span, the last one excluded.
-    fn nodes(&self) -> usize {
+    fn nodes(&self, n: usize) -> usize {
         match self {
-            Span::Interval(elimination) => elimination.inside() / elimination.n + 1,
-            Span::Joined { left, right, .. } => left.nodes() + right.nodes(),
+            Span::Interval(interval) => interval.inside() / n + 1,
+            Span::Joined { left, right, .. } => left.nodes(n) + right.nodes(n),
         }
     }
 
     /// Equations of the span, which are as many as its nodes' entries.
     fn forward(&self, r: &[f64], border: &mut [f64], n: usize) -> (Carried, Vec<f64>) {
         match self {
-            Span::Interval(elimination) => {
-                let (top, bottom) = elimination.forward(r, border);
+            Span::Interval(interval) => {
+                let (top, bottom) = interval.forward(r, border);
                 (Carried::Interval(top), bottom)
             }
             Span::Joined { left, right, joint } => {
-                let (r_left, r_right) = r.split_at(left.nodes() * n);
+                let (r_left, r_right) = r.split_at(left.nodes(n) * n);
                 let (carried_left, mut rows) = left.forward(r_left, border, n);
                 let (carried_right, below) = right.forward(r_right, border, n);
                 rows.extend(below);
@@ -212,9 +339,9 @@ impl Span {
     /// Appends the span's nodes, from its first on, the last one excluded.
     fn back(&self, carried: Carried, a: &[f64], b: &[f64], z: &[f64; 2], out: &mut Vec<f64>) {
         match (self, carried) {
-            (Span::Interval(elimination), Carried::Interval(top)) => {
+            (Span::Interval(interval), Carried::Interval(top)) => {
                 out.extend_from_slice(a);
-                out.extend(elimination.back(top, a, b, z));
+                out.extend(interval.back(top, a, b, z));
             }
             (Span::Joined { left, right, joint }, Carried::Joined(carried_left, carried_right, top)) => {
                 let middle = joint.back(top, a, b, z);
@@ -233,14 +360,21 @@ pub struct Condensed {
 }
 
 impl Condensed {
-    /// From the intervals' eliminations in order.
-    pub fn new(intervals: Vec<Elimination>, n: usize) -> Result<Self, Singular> {
+    /// From the intervals in order.
+    pub fn new(intervals: Vec<Interval>, n: usize) -> Result<Self, Singular> {
         Ok(Self { root: Span::join(intervals, n)?, n })
     }
 
     /// `[C D E]`.
     pub fn transition(&self) -> MatRef<'_, f64> {
-        self.root.last().remaining()
+        self.root.remaining()
+    }
+
+    /// `[C D E]` of each interval in order.
+    pub fn intervals(&self) -> Vec<MatRef<'_, f64>> {
+        let mut out = Vec::new();
+        self.root.intervals(&mut out);
+        out
     }
 
     /// Condenses a border row over all nodes but the last.
@@ -256,7 +390,7 @@ impl Condensed {
 
     /// All nodes but the last from x_0, x_N and z.
     pub fn back(&self, forwarded: Forwarded, first: &[f64], last: &[f64], z: &[f64; 2]) -> Vec<f64> {
-        let mut out = Vec::with_capacity(self.root.nodes() * self.n);
+        let mut out = Vec::with_capacity(self.root.nodes(self.n) * self.n);
         self.root.back(forwarded.0, first, last, z, &mut out);
         out
     }

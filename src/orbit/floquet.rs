@@ -1,51 +1,210 @@
-//! Floquet multipliers from the condensed equations.
+//! Floquet multipliers from the intervals' own transition maps, whose product is never formed.
 //!
-//! What the condensed rows `C x_0 + D x_N = 0` say of perturbations is `x_N = -D^-1 C x_0`; with `u(t + P) = S u(t)`
-//! the multipliers over P are the eigenvalues of `-S^-1 D^-1 C`, and those over the period their squares where P is
-//! half of it. One multiplier over P is +1, the shift in time; its distance from 1 bounds from below how wrong the
-//! others are (on an even mesh it can be far smaller than the orbit's own error, which refinement tells).
+//! What the condensed rows of interval j say of perturbations, `C_j x_j + D_j x_{j+1} = 0`, is
+//! `x_{j+1} = A_j x_j` with `A_j = -D_j^-1 C_j`. With `u(t + P) = S u(t)` the multipliers over P are the eigenvalues nu
+//! of `S^-1 A_N .. A_2 A_1`. Where P is half the period, those over the period are `mu = nu²`: a perturbation of an
+//! orbit with `u(t + T/2) = S u(t)` keeps that symmetry where nu is near +1 (a fold) and breaks it where nu is near -1,
+//! though mu = 1 in both. A period doubling, mu = -1, would need nu = ±i, which one parameter does not bring about (Swift and
+//! Wiesenfeld 1984, doi:10.1103/PhysRevLett.52.705).
+//!
+//! One multiplier over P is +1, the shift in time; its distance from 1 bounds from below how wrong the others are (on
+//! an even mesh it can be far smaller than the orbit's own error, which refinement tells).
 
+use crate::linalg::periodic::{self, Eigenvalue, PeriodicError, Product};
 use crate::linalg::{Lu, Singular, c64};
 use crate::problem::Reflection;
-use faer::{Mat, MatRef};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, MatRef, Par};
+use rayon::prelude::*;
+use thiserror::Error;
+
+/// Why an orbit has no multipliers.
+#[derive(Clone, Copy, Debug, Error, PartialEq, Eq)]
+pub enum FloquetError {
+    #[error("an interval of the mesh does not determine its right end: {0}")]
+    Interval(#[from] Singular),
+    #[error(transparent)]
+    Product(#[from] PeriodicError),
+    #[error("the orbit has no multiplier, not even the trivial one")]
+    None,
+}
 
 /// Multipliers over the period, largest first, the trivial one left out.
 #[derive(Clone, Debug)]
 pub struct Multipliers {
     pub values: Vec<c64>,
+    /// `ln |mu|` of each, also where mu itself is too small or too large for a number; -inf is an exact zero.
+    pub logs: Vec<f64>,
+    /// The multipliers nu over half the period, `mu = nu²`, in the same order; none where the whole one was computed.
+    pub halves: Vec<c64>,
     /// |trivial multiplier - 1|.
     pub trivial_error: f64,
 }
 
+/// What multipliers say of an orbit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stability {
+    Stable,
+    Unstable,
+    /// No multiplier lies outside the unit circle for certain, but one is nearer to it than the trivial one's error.
+    Undecided,
+}
+
 impl Multipliers {
-    /// Multipliers outside the unit circle by more than the trivial one's error, which limits the verdict.
+    /// How far from the unit circle a multiplier must be for a verdict: the trivial one's error limits it.
+    fn slack(&self) -> f64 {
+        10.0 * self.trivial_error + 1e-12
+    }
+
+    /// Multipliers outside the unit circle for certain.
     pub fn unstable(&self) -> usize {
-        let slack = 10.0 * self.trivial_error + 1e-12;
-        self.values.iter().filter(|mu| mu.norm() > 1.0 + slack).count()
+        self.logs.iter().filter(|&&ln| ln > self.slack().ln_1p()).count()
+    }
+
+    pub fn verdict(&self) -> Stability {
+        match self.logs.first() {
+            Some(_) if self.unstable() > 0 => Stability::Unstable,
+            Some(&ln) if ln >= (-self.slack()).max(-1.0).ln_1p() => Stability::Undecided,
+            _ => Stability::Stable,
+        }
     }
 }
 
-/// From the condensed rows `[C D ...]`.
-pub fn multipliers(rows: MatRef<'_, f64>, symmetry: &Reflection, parts: usize) -> Result<Multipliers, Singular> {
-    let n = rows.nrows();
-    let mut transition = Mat::from_fn(n, n, |i, j| -rows[(i, j)]);
-    Lu::new(rows.subcols(n, n))?.solve_many(transition.as_mut());
-    // S^-1 = S^T: row `source_i` of the product is sign_i times row i.
-    let mut turned = Mat::zeros(n, n);
-    for i in 0..n {
-        for j in 0..n {
-            turned[(symmetry.source[i], j)] = symmetry.sign[i] * transition[(i, j)];
+/// The maps `x_{j+1} = -D_j^-1 C_j x_j` of the intervals in order.
+pub struct Transitions<'a>(Vec<Transition<'a>>);
+
+struct Transition<'a> {
+    c: MatRef<'a, f64>,
+    /// None where D = -1: then C is the map.
+    d: Option<Lu<f64>>,
+}
+
+impl<'a> Transitions<'a> {
+    /// From each interval's condensed rows `[C D ..]`.
+    pub fn new(intervals: &[MatRef<'a, f64>]) -> Result<Self, Singular> {
+        let one = |rows: &MatRef<'a, f64>| {
+            let n = rows.nrows();
+            let (c, d) = (rows.subcols(0, n), rows.subcols(n, n));
+            let negated = (0..n).all(|j| (0..n).all(|i| d[(i, j)] == if i == j { -1.0 } else { 0.0 }));
+            Ok(Transition { c, d: if negated { None } else { Some(Lu::new(d)?) } })
+        };
+        Ok(Self(intervals.par_iter().map(one).collect::<Result<_, _>>()?))
+    }
+}
+
+impl Product for Transitions<'_> {
+    fn dim(&self) -> usize {
+        self.0.first().map_or(0, |transition| transition.c.nrows())
+    }
+
+    fn factors(&self) -> usize {
+        self.0.len()
+    }
+
+    fn apply(&self, j: usize, x: &[f64], y: &mut [f64]) {
+        let Transition { c, d } = &self.0[j];
+        let x = MatRef::from_column_major_slice(x, x.len(), 1);
+        let rows = y.len();
+        let sign = if d.is_some() { -1.0 } else { 1.0 };
+        matmul(MatMut::from_column_major_slice_mut(y, rows, 1), Accum::Replace, *c, x, sign, Par::Seq);
+        if let Some(d) = d {
+            d.solve(y);
         }
     }
-    if !turned.is_all_finite() {
-        return Err(Singular);
+
+    fn matrix(&self, j: usize) -> Mat<f64> {
+        let Transition { c, d } = &self.0[j];
+        match d {
+            Some(d) => {
+                let mut a = -*c;
+                d.solve_many(a.as_mut());
+                a
+            }
+            None => c.to_owned(),
+        }
     }
-    let mut values = turned.eigenvalues().map_err(|_| Singular)?;
-    let distance = |mu: &c64| (mu - c64::new(1.0, 0.0)).norm();
-    let trivial = (0..n).min_by(|&i, &j| distance(&values[i]).total_cmp(&distance(&values[j]))).ok_or(Singular)?;
-    let trivial = values.swap_remove(trivial);
-    let whole = |mu: c64| if parts == 2 { mu * mu } else { mu };
-    let mut values: Vec<c64> = values.into_iter().map(whole).collect();
-    values.sort_by(|x, y| y.norm().total_cmp(&x.norm()).then(y.im.total_cmp(&x.im)));
-    Ok(Multipliers { values, trivial_error: distance(&whole(trivial)) })
+}
+
+/// A product with S^-1 = S^T behind its last factor.
+struct Turned<'a> {
+    transitions: &'a dyn Product,
+    symmetry: &'a Reflection,
+}
+
+impl Turned<'_> {
+    fn is_last(&self, j: usize) -> bool {
+        j + 1 == self.factors()
+    }
+}
+
+impl Product for Turned<'_> {
+    fn dim(&self) -> usize {
+        self.transitions.dim()
+    }
+
+    fn factors(&self) -> usize {
+        self.transitions.factors()
+    }
+
+    fn apply(&self, j: usize, x: &[f64], y: &mut [f64]) {
+        self.transitions.apply(j, x, y);
+        if self.is_last(j) {
+            let image = y.to_vec();
+            y.fill(0.0);
+            self.symmetry.add_transposed(&image, y);
+        }
+    }
+
+    fn matrix(&self, j: usize) -> Mat<f64> {
+        let a = self.transitions.matrix(j);
+        if !self.is_last(j) {
+            return a;
+        }
+        let mut turned = Mat::zeros(a.nrows(), a.ncols());
+        for k in 0..a.ncols() {
+            self.symmetry.add_transposed(a.col_as_slice(k), turned.col_as_slice_mut(k));
+        }
+        turned
+    }
+}
+
+/// Where the smallest multiplier found is smaller than this, the trivial one and all unstable ones are among those
+/// found.
+const INSIDE: f64 = 0.9;
+
+/// Multipliers from the transition maps along the computed part of the period, of which there are `parts` (1 or 2) in
+/// the whole one: all of them, or of those largest in modulus at least `wanted` and as many more as it takes to count
+/// the unstable ones right.
+pub fn multipliers(
+    transitions: &dyn Product,
+    symmetry: &Reflection,
+    parts: usize,
+    wanted: Option<usize>,
+) -> Result<Multipliers, FloquetError> {
+    let turned = Turned { transitions, symmetry };
+    let n = turned.dim();
+    // The trivial one is not counted.
+    let mut count = wanted.map_or(n, |wanted| wanted + 1);
+    let mut found: Vec<Eigenvalue>;
+    loop {
+        found = if count < n { periodic::leading(&turned, count)? } else { periodic::all(&turned)? };
+        if count >= n || found.last().is_some_and(|least| least.ln < INSIDE.ln()) {
+            break;
+        }
+        count *= 2;
+    }
+    let distance = |nu: &Eigenvalue| (nu.value() - c64::new(1.0, 0.0)).norm();
+    let trivial = (0..found.len()).min_by(|&i, &j| distance(&found[i]).total_cmp(&distance(&found[j])));
+    let trivial = found.remove(trivial.ok_or(FloquetError::None)?);
+    let whole = |nu: &Eigenvalue| match parts {
+        2 => Eigenvalue { ln: 2.0 * nu.ln, direction: nu.direction * nu.direction },
+        _ => *nu,
+    };
+    let halves = if parts == 2 { found.iter().map(Eigenvalue::value).collect() } else { Vec::new() };
+    Ok(Multipliers {
+        values: found.iter().map(|nu| whole(nu).value()).collect(),
+        logs: found.iter().map(|nu| whole(nu).ln).collect(),
+        halves,
+        trivial_error: distance(&whole(&trivial)),
+    })
 }

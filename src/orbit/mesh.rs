@@ -12,21 +12,33 @@ const TOLERATED: f64 = 1.5;
 /// No interval is wider than it would be with this part of the mean monitor.
 const FLOOR: f64 = 0.2;
 
-/// A mesh with as many intervals and equal shares, if the present one is too far from that.
-pub fn adapted(orbit: &Orbit, scheme: &Scheme, symmetry: &Reflection) -> Option<Vec<f64>> {
+/// The number of intervals is kept while it is between the wanted one and this multiple of it.
+const ROOM: f64 = 1.4;
+/// A new number of intervals is chosen with this reserve.
+const RESERVE: f64 = 1.1;
+const FEWEST: usize = 4;
+const MOST: usize = 10_000;
+
+/// A mesh with equal shares of the error, if the present one is too far from that; with a tolerance, relative to the
+/// orbit's size, the number of intervals changes to meet it.
+pub fn adapted(orbit: &Orbit, scheme: &Scheme, symmetry: &Reflection, tolerance: Option<f64>) -> Option<Vec<f64>> {
     let monitor = monitor(orbit, scheme, symmetry);
     let widths: Vec<f64> = orbit.mesh.windows(2).map(|w| w[1] - w[0]).collect();
     let total: f64 = monitor.iter().zip(&widths).map(|(e, h)| e * h).sum();
-    let count = widths.len() as f64;
-    let uneven = monitor.iter().zip(&widths).any(|(e, h)| e * h * count > TOLERATED * total);
-    if !(uneven && total.is_finite() && total > 0.0) {
+    if !(total.is_finite() && total > 0.0) {
+        return None;
+    }
+    let present = orbit.intervals();
+    let count = tolerance.map_or(present, |tolerance| number(orbit, scheme, total, tolerance));
+    let uneven = monitor.iter().zip(&widths).any(|(e, h)| e * h * present as f64 > TOLERATED * total);
+    if !uneven && count == present {
         return None;
     }
     // Invert the piecewise linear integral of the monitor.
     let mut mesh = vec![0.0];
     let (mut j, mut before) = (0, 0.0);
-    for k in 1..orbit.intervals() {
-        let goal = total * k as f64 / count;
+    for k in 1..count {
+        let goal = total * k as f64 / count as f64;
         while before + monitor[j] * widths[j] < goal && j + 1 < widths.len() {
             before += monitor[j] * widths[j];
             j += 1;
@@ -35,6 +47,30 @@ pub fn adapted(orbit: &Orbit, scheme: &Scheme, symmetry: &Reflection) -> Option<
     }
     mesh.push(1.0);
     mesh.windows(2).all(|w| w[1] > w[0]).then_some(mesh)
+}
+
+/// How many intervals with equal shares of the monitor's integral meet a tolerance: with N of them the error is
+/// `c (integral / N)^{m+1}`.
+fn number(orbit: &Orbit, scheme: &Scheme, integral: f64, tolerance: f64) -> usize {
+    let present = orbit.intervals();
+    let order = (orbit.degree + 1) as f64;
+    let allowed = tolerance * size(orbit);
+    let wanted = integral * (scheme.error_constant() / allowed).powf(1.0 / order);
+    if !wanted.is_finite() || (wanted..=ROOM * wanted.max(FEWEST as f64)).contains(&(present as f64)) {
+        return present;
+    }
+    ((RESERVE * wanted).ceil() as usize).clamp(FEWEST, MOST)
+}
+
+/// The largest distance of the orbit from its mean.
+fn size(orbit: &Orbit) -> f64 {
+    let count = (orbit.nodes.len() / orbit.dim) as f64;
+    let mut mean = vec![0.0; orbit.dim];
+    for node in orbit.nodes.chunks(orbit.dim) {
+        mean.iter_mut().zip(node).for_each(|(m, x)| *m += x / count);
+    }
+    let distance = |node: &[f64]| node.iter().zip(&mean).map(|(x, m)| (x - m).powi(2)).sum::<f64>().sqrt();
+    orbit.nodes.chunks(orbit.dim).map(distance).fold(0.0, f64::max)
 }
 
 /// `|u^{(m+1)}|^{1/(m+1)}` on each interval.

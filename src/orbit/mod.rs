@@ -1,5 +1,7 @@
 //! Periodic orbits of `G(u, u', p) = 0` by collocation at Gauss points.
 
+mod band;
+pub mod bifurcations;
 mod collocation;
 mod condensation;
 mod floquet;
@@ -8,9 +10,10 @@ mod scheme;
 mod shape;
 mod start;
 
+pub use band::Band;
 pub use collocation::{Collocation, Frame, OrbitFactors};
-pub use condensation::{Condensed, Elimination};
-pub use floquet::{Multipliers, multipliers};
+pub use condensation::{Condensed, Elimination, Interval};
+pub use floquet::{FloquetError, Multipliers, Stability, Transitions, multipliers};
 pub use mesh::adapted;
 pub use scheme::{Points, Scheme};
 pub use shape::{Extremes, Orbit};

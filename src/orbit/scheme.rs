@@ -73,6 +73,26 @@ impl Scheme {
     }
 }
 
+impl Scheme {
+    /// c in the local error `c h^{m+1} |u^{(m+1)}|`: the largest `|int_0^x (s - c_1) ... (s - c_m) ds| / m!`.
+    pub fn error_constant(&self) -> f64 {
+        // Coefficients of the integrand; its antiderivative is largest at a collocation point or at an end.
+        let mut polynomial = vec![1.0];
+        for c in &self.points {
+            let mut next = vec![0.0; polynomial.len() + 1];
+            for (k, a) in polynomial.iter().enumerate() {
+                next[k] -= c * a;
+                next[k + 1] += a;
+            }
+            polynomial = next;
+        }
+        let antiderivative =
+            |x: f64| polynomial.iter().enumerate().rev().fold(0.0, |sum, (k, a)| (sum + a / (k + 1) as f64) * x);
+        let factorial: f64 = (1..=self.degree).map(|k| k as f64).product();
+        self.points.iter().chain(&[1.0]).map(|&x| f64::abs(antiderivative(x))).fold(0.0, f64::max) / factorial
+    }
+}
+
 /// Points on [0, 1]: zeros of the Legendre polynomial P_m, or of P_m - P_{m-1} (the right end included), by Newton's
 /// method with deflation of the zeros already found; weights by integrating the Lagrange polynomials exactly.
 fn points_and_weights(points: Points, m: usize) -> (Vec<f64>, Vec<f64>) {

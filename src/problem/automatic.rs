@@ -1,7 +1,7 @@
 //! From one generic formula to a [`Problem`]: derivatives by (hyper-)dual numbers, exact to rounding.
 
 use super::{At, Direction, Observable, Parameter, Problem, Refinement, Reflection};
-use crate::linalg::Matrix;
+use crate::linalg::{Matrix, Structure};
 use num_dual::{Dual2_64, Dual3, Dual64, DualNum, HyperDual64, HyperHyperDual64};
 
 /// A real number, or one that carries derivatives.
@@ -22,26 +22,36 @@ pub trait Formula: Send + Sync {
     /// `g = M(u, p) v - F(u, p)`.
     fn residual<S: Scalar>(&self, u: &[S], v: &[S], p: &[S], g: &mut [S]);
 
-    /// `G_u` and `G_v`; by default column by column with dual numbers. A model with structure may know better.
+    /// The pattern that `G_u` and `G_v` share.
+    fn structure(&self) -> Structure {
+        Structure::Dense
+    }
+
+    /// `G_u` and `G_v` in matrices of that structure; by default with dual numbers, columns without a row in common
+    /// together (Curtis, Powell and Reid 1974, doi:10.1093/imamat/13.1.117). A model may know better.
     fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix) {
         let n = self.dim();
-        let (mut gu, mut gv) = (gu.dense_mut(), gv.dense_mut());
         let (mut u, mut v) = (lift(at.u), lift(at.v));
         let p = lift(at.p);
         let mut g = vec![Dual64::from_re(0.0); n];
-        for j in 0..n {
-            u[j].eps = 1.0;
-            self.residual(&u, &v, &p, &mut g);
-            u[j].eps = 0.0;
-            for i in 0..n {
-                gu[(i, j)] = g[i].eps;
+        let groups: Vec<Vec<usize>> = match self.structure() {
+            Structure::Dense => (0..n).map(|j| vec![j]).collect(),
+            Structure::Banded { lower, upper } => {
+                let stride = (lower + upper + 1).min(n);
+                (0..stride).map(|first| (first..n).step_by(stride).collect()).collect()
             }
-            v[j].eps = 1.0;
+            Structure::Sparse(pattern) => pattern.groups().to_vec(),
+        };
+        let seed = |x: &mut [Dual64], group: &[usize], eps: f64| group.iter().for_each(|&j| x[j].eps = eps);
+        for group in &groups {
+            seed(&mut u, group, 1.0);
             self.residual(&u, &v, &p, &mut g);
-            v[j].eps = 0.0;
-            for i in 0..n {
-                gv[(i, j)] = g[i].eps;
-            }
+            seed(&mut u, group, 0.0);
+            store(gu, group, &g);
+            seed(&mut v, group, 1.0);
+            self.residual(&u, &v, &p, &mut g);
+            seed(&mut v, group, 0.0);
+            store(gv, group, &g);
         }
     }
 
@@ -75,6 +85,25 @@ pub trait Formula: Send + Sync {
 
     fn refined(&self) -> Option<Refinement> {
         None
+    }
+}
+
+/// Derivatives with respect to a group of columns that have no row in common.
+fn store(matrix: &mut Matrix, group: &[usize], g: &[Dual64]) {
+    for &j in group {
+        match matrix {
+            Matrix::Dense(a) => a.col_as_slice_mut(j).iter_mut().zip(g).for_each(|(a, g)| *a = g.eps),
+            Matrix::Banded(a) => {
+                for i in a.rows(j) {
+                    let first = a.columns(i).start;
+                    a.row_mut(i)[j - first] = g[i].eps;
+                }
+            }
+            Matrix::Sparse(a) => {
+                let (range, rows) = a.pattern.column(j);
+                a.values[range].iter_mut().zip(rows).for_each(|(value, &i)| *value = g[i].eps);
+            }
+        }
     }
 }
 
@@ -120,6 +149,10 @@ impl<F: Formula> Problem for Automatic<F> {
 
     fn residual(&self, at: At, g: &mut [f64]) {
         self.0.residual(at.u, at.v, at.p, g);
+    }
+
+    fn structure(&self) -> Structure {
+        self.0.structure()
     }
 
     fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix) {
@@ -213,7 +246,7 @@ pub fn check_derivatives(problem: &dyn Problem, at: At) -> f64 {
     let mut worst = 0.0_f64;
     let mut column = vec![0.0; n];
     let mut unit = vec![0.0; n];
-    for (matrix, in_u) in [(gu.dense(), true), (gv.dense(), false)] {
+    for (matrix, in_u) in [(gu, true), (gv, false)] {
         let scale = matrix.norm_max().max(f64::MIN_POSITIVE);
         for j in 0..n {
             unit[j] = 1.0;

@@ -16,6 +16,7 @@ pub use automatic::{Automatic, Formula, Scalar, check_derivatives};
 pub use tied::{Tie, Tied};
 
 use crate::linalg::{Matrix, Structure};
+use faer::Mat;
 use std::sync::Arc;
 
 /// A parameter of a model.
@@ -45,6 +46,8 @@ pub enum Bounds {
     Any,
     Positive,
     NonNegative,
+    /// Both ends included; they may be infinite.
+    Within(f64, f64),
 }
 
 impl Bounds {
@@ -53,17 +56,21 @@ impl Bounds {
             Bounds::Any => x.is_finite(),
             Bounds::Positive => x.is_finite() && x > 0.0,
             Bounds::NonNegative => x.is_finite() && x >= 0.0,
+            Bounds::Within(least, most) => x.is_finite() && (least..=most).contains(&x),
         }
     }
 }
 
 impl std::fmt::Display for Bounds {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Bounds::Any => "any number",
-            Bounds::Positive => "> 0",
-            Bounds::NonNegative => ">= 0",
-        })
+        match self {
+            Bounds::Any => f.write_str("any number"),
+            Bounds::Positive => f.write_str("> 0"),
+            Bounds::NonNegative => f.write_str(">= 0"),
+            Bounds::Within(least, f64::INFINITY) => write!(f, ">= {least}"),
+            Bounds::Within(f64::NEG_INFINITY, most) => write!(f, "<= {most}"),
+            Bounds::Within(least, most) => write!(f, "from {least} to {most}"),
+        }
     }
 }
 
@@ -155,11 +162,17 @@ pub trait Problem: Send + Sync {
     fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix);
 
     /// Both, in matrices of their own.
-    fn linearised(&self, at: At) -> (Matrix, Matrix) {
+    fn matrices(&self, at: At) -> (Matrix, Matrix) {
         let zeros = || Matrix::zeros(self.structure(), self.dim());
         let (mut gu, mut gv) = (zeros(), zeros());
         self.linearise(at, &mut gu, &mut gv);
         (gu, gv)
+    }
+
+    /// Both as dense matrices, for what is done once at a point.
+    fn linearised(&self, at: At) -> (Mat<f64>, Mat<f64>) {
+        let (gu, gv) = self.matrices(at);
+        (gu.into_dense(), gv.into_dense())
     }
 
     /// The derivative of G along one, two or three directions: `D^k G [d_1, ..., d_k]`, exact.

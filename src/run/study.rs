@@ -1,8 +1,10 @@
 //! A scene resolved against its model: the problem, its parameters, and what each task needs.
 
-use super::{fold_curve, hopf_curve};
+use super::{cycle_curve, cycles, equilibria, fold_curve, hopf_curve, written};
+use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
-use crate::problem::{Default, Observable, Problem, Tie, Tied};
+use crate::orbit::bifurcations::Critical;
+use crate::problem::{Automatic, Default, Observable, Problem, Tie, Tied};
 use crate::scene::{Expression, Fault, OptionValue, Place, Scene, SceneError, Task, TaskKind, Value, units};
 use num_dual::{Dual64, HyperDual64};
 use std::collections::BTreeSet;
@@ -11,6 +13,8 @@ use std::sync::Arc;
 /// What is computed on.
 pub struct Study {
     model: Arc<dyn Problem>,
+    /// The same model, if the scene wrote it.
+    text: Option<Arc<Text>>,
     /// Values of all parameters; entries of ties are filled in by the tied problem.
     values: Vec<f64>,
     ties: Vec<Law>,
@@ -81,7 +85,13 @@ impl Prepared {
 impl Study {
     /// Resolves model, options, parameters and ties, and checks everything that tasks name.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
-        let model = build(scene)?;
+        let (model, text) = match &scene.model.text {
+            None => (build(scene)?, None),
+            Some(words) => {
+                let text = written::build(scene, words)?;
+                (Arc::new(Automatic(text.clone())) as Arc<dyn Problem>, Some(text))
+            }
+        };
         let list = model.parameters();
         let names: Vec<&str> = list.iter().map(|q| q.name).collect();
         let mut values: Vec<f64> = list
@@ -130,7 +140,7 @@ impl Study {
             }
             values[target] = value;
         }
-        let mut study = Self { model, values, ties };
+        let mut study = Self { model, text, values, ties };
         study.sort(scene)?;
         study.check_values(scene)?;
         Ok(study)
@@ -172,6 +182,17 @@ impl Study {
             }
         }
         Ok(())
+    }
+
+    /// A model that was written in the scene must have values where a task begins.
+    fn check_start(&self, scene: &Scene, p: &[f64]) -> Result<(), SceneError> {
+        match (&self.text, &scene.model.text) {
+            (Some(text), Some(words)) => match text.complaint(p) {
+                Some(error) => Err(written::refuse(scene, words, error)),
+                None => Ok(()),
+            },
+            _ => Ok(()),
+        }
     }
 
     /// The problem with all ties but those of the free parameters.
@@ -254,6 +275,10 @@ impl Study {
                 }
             }
         }
+        if let TaskKind::Equilibria(equilibria) = &task.kind {
+            p[free] = equilibria.start.unwrap_or(along.range.from);
+            self.check_start(scene, &problem.resolve(&p))?;
+        }
         let observables = self.wanted(scene, task)?;
         let waves = scene
             .figures
@@ -275,9 +300,13 @@ impl Study {
     /// Observables that the task, its figures or expectations name; an unknown name is an error.
     fn wanted(&self, scene: &Scene, task: &Task) -> Result<Vec<usize>, SceneError> {
         let along = task.kind.along();
+        let of_cycles = [&["period", "frequency", "trivial_error"][..], &cycles::VALUES].concat();
         let own: &[&str] = match task.kind {
-            TaskKind::Equilibria(_) => &["omega", "frequency", "lyapunov", "growth"],
-            TaskKind::Cycles(_) => &["period", "frequency", "trivial_error"],
+            TaskKind::Equilibria(_) => &equilibria::VALUES,
+            TaskKind::Cycles(_) => &of_cycles,
+            TaskKind::LpcCurve(_) => cycle_curve::values(Critical::Fold),
+            TaskKind::PdCurve(_) => cycle_curve::values(Critical::Flip),
+            TaskKind::NsCurve(_) => cycle_curve::values(Critical::Torus),
             TaskKind::HopfCurve(_) => &hopf_curve::VALUES,
             TaskKind::FoldCurve(_) => &fold_curve::VALUES,
             TaskKind::Calibration(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im"],
@@ -316,9 +345,11 @@ impl Study {
                 let extremes = list.iter().flat_map(|o| [format!("max {}", o.name), format!("min {}", o.name)]);
                 ["period".to_owned(), "frequency".to_owned()].into_iter().chain(extremes).collect()
             }
-            TaskKind::HopfCurve(_) | TaskKind::FoldCurve(_) => {
-                along.others.iter().map(|axis| axis.name.clone()).collect()
-            }
+            TaskKind::HopfCurve(_)
+            | TaskKind::FoldCurve(_)
+            | TaskKind::LpcCurve(_)
+            | TaskKind::PdCurve(_)
+            | TaskKind::NsCurve(_) => along.others.iter().map(|axis| axis.name.clone()).collect(),
             TaskKind::Calibration(_) | TaskKind::Map(_) | TaskKind::HopfSurface(_) => Vec::new(),
         };
         for name in along.values.keys().filter(|name| **name != along.free) {

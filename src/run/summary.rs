@@ -171,6 +171,13 @@ impl Summary {
             }
             let _ = write!(out, ", {name} = {}", with_error(*value, point.errors.get(name)));
         }
+        match (point.values.get("bp_c"), point.values.get("bp_d")) {
+            (Some(_), _) => out.push_str(": transcritical"),
+            (_, Some(d)) => {
+                out.push_str(if *d < 0.0 { ": pitchfork, supercritical" } else { ": pitchfork, subcritical" })
+            }
+            _ => {}
+        }
         if let Some(l1) = point.values.get("lyapunov").filter(|_| point.kind != Kind::GH) {
             let _ = write!(out, ": {}", if *l1 < 0.0 { "supercritical" } else { "subcritical" });
         }

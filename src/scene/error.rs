@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::Place;
-use super::expression::ExpressionError;
 use super::units::UnitError;
+use crate::expression::{ExpressionError, suggest};
 
 /// Why a scene was refused.
 #[derive(Debug, Error)]
@@ -39,6 +39,9 @@ pub struct EntryError {
 
 impl EntryError {
     fn position(&self) -> String {
+        if let Fault::Text { position: Some((line, column)), .. } = self.fault {
+            return format!(":{line}:{column}");
+        }
         match (self.at.line, &self.argument) {
             (Some(line), _) => format!(":{line}"),
             (None, Some(argument)) => format!(": --set {argument}"),
@@ -81,7 +84,7 @@ pub enum Fault {
     #[error("{name:?} cannot be a name; use letters (a-z, A-Z), digits, \"-\" and \"_\"")]
     Name { name: String },
     #[error(
-        "{found:?} is not a label; write TASK/KINDn, for example {example:?}, with KIND one of HB, LP, KC, XP, UZ, EP, GH, BT, ZH, HH and n counting from 1"
+        "{found:?} is not a label; write TASK/KINDn, for example {example:?}, with KIND one of HB, LP, BP, KC, XP, UZ, EP, GH, BT, ZH, HH and n counting from 1"
     )]
     Label { found: String, example: String },
     #[error("the task {name:?} comes later{}; put it before this one", line(at))]
@@ -106,6 +109,9 @@ pub enum Fault {
         "{key} cannot be overridden; allowed: title, model.KEY, parameters.NAME, task.NAME.KEY, figure.NAME.KEY (names stay as they are)"
     )]
     NotOverridable { key: String },
+    /// In a text inside the scene, at that line and column of the file.
+    #[error("{message}")]
+    Text { position: Option<(usize, usize)>, message: String },
     /// For callers that find more wrong later: a parameter that the model lacks, a unit that does not fit.
     #[error("{0}")]
     Other(String),
@@ -139,37 +145,5 @@ fn line(at: &Option<usize>) -> String {
     match at {
         Some(line) => format!(" (line {line})"),
         None => String::new(),
-    }
-}
-
-/// The known word that `word` is most likely a slip of the pen for.
-pub fn suggest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let lower = word.to_lowercase();
-    known
-        .into_iter()
-        .map(|candidate| {
-            let distance = strsim::damerau_levenshtein(&lower, &candidate.to_lowercase());
-            (distance, candidate)
-        })
-        .filter(|(distance, candidate)| *distance <= (candidate.chars().count().max(lower.chars().count()) / 3).min(4))
-        .min_by_key(|(distance, _)| *distance)
-        .map(|(_, candidate)| candidate)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn suggestions_bridge_slips_but_not_gulfs() {
-        let known = ["range", "free", "max_step", "p", "L"];
-        assert_eq!(suggest("rnage", known), Some("range"));
-        assert_eq!(suggest("max-step", known), Some("max_step"));
-        assert_eq!(suggest("FREE", known), Some("free"));
-        assert_eq!(suggest("P", known), Some("p"));
-        assert_eq!(suggest("l", known), Some("L"));
-        assert_eq!(suggest("q", known), None);
-        assert_eq!(suggest("tolerance", known), None);
-        assert_eq!(suggest("", known), None);
     }
 }

@@ -5,7 +5,6 @@ mod calibration;
 mod entry;
 mod error;
 mod expect;
-pub mod expression;
 mod figure;
 mod label;
 mod map;
@@ -20,9 +19,9 @@ mod tests;
 mod tree;
 pub mod units;
 
+pub use crate::expression::Expression;
 pub use calibration::QUANTITIES;
-pub use error::{EntryError, Fault, SceneError, suggest};
-pub use expression::Expression;
+pub use error::{EntryError, Fault, SceneError};
 pub use figure::FIGURE_KINDS;
 pub use label::{Label, POINT_KINDS};
 pub use task::TASK_KINDS;
@@ -75,9 +74,72 @@ impl Scene {
 /// `[model]`: a name and the model's own options (load = "uniform", functions = 28).
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
+    /// "text" for a model that the scene itself holds.
     pub name: String,
     pub at: Place,
     pub options: Vec<ModelOption>,
+    pub text: Option<ModelText>,
+}
+
+/// A model as text: `[model]` with `equations`.
+#[derive(Clone, Debug)]
+pub struct ModelText {
+    pub equations: Words,
+    /// Whole numbers by name.
+    pub constants: Vec<(String, i64, Place)>,
+    pub parameters: Vec<TextParameter>,
+    pub start: Vec<(String, Words)>,
+    pub observables: Vec<TextObservable>,
+    pub symmetry: Option<Words>,
+    pub time_unit: String,
+}
+
+/// `sigma = 10` or `sigma = { value = 10, unit = "", min = 0, max = 100, meaning = "Prandtl number" }`
+#[derive(Clone, Debug)]
+pub struct TextParameter {
+    pub name: String,
+    pub value: TextValue,
+    pub unit: String,
+    pub meaning: String,
+    pub least: f64,
+    pub most: f64,
+    pub at: Place,
+}
+
+#[derive(Clone, Debug)]
+pub enum TextValue {
+    Number(f64),
+    Tie(Words),
+}
+
+/// `energy = "x^2 + y^2"` or `energy = { expression = "x^2 + y^2", unit = "J", meaning = "energy" }`
+#[derive(Clone, Debug)]
+pub struct TextObservable {
+    pub name: String,
+    pub expression: Words,
+    pub unit: String,
+    pub meaning: String,
+}
+
+/// A string with its place, so that errors inside it can be found.
+#[derive(Clone, Debug)]
+pub struct Words {
+    pub text: String,
+    pub at: Place,
+    /// Line and column at which it begins in the file.
+    pub begins: Option<(usize, usize)>,
+}
+
+impl Words {
+    /// Line and column of a byte of the text.
+    pub fn position(&self, offset: usize) -> Option<(usize, usize)> {
+        let (line, column) = self.begins?;
+        let before = self.text.get(..offset).unwrap_or(&self.text);
+        Some(match before.rsplit_once('\n') {
+            None => (line, column + before.chars().count()),
+            Some((above, last)) => (line + above.matches('\n').count() + 1, last.chars().count() + 1),
+        })
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -127,6 +189,9 @@ pub enum TaskKind {
     Cycles(Cycles),
     HopfCurve(Curve),
     FoldCurve(Curve),
+    LpcCurve(Curve),
+    PdCurve(Curve),
+    NsCurve(Curve),
     Calibration(Calibration),
     Map(Map),
     HopfSurface(Surface),
@@ -148,6 +213,9 @@ impl TaskKind {
             TaskKind::Cycles(_) => "cycles",
             TaskKind::HopfCurve(_) => "hopf-curve",
             TaskKind::FoldCurve(_) => "fold-curve",
+            TaskKind::LpcCurve(_) => "lpc-curve",
+            TaskKind::PdCurve(_) => "pd-curve",
+            TaskKind::NsCurve(_) => "ns-curve",
             TaskKind::Calibration(_) => "calibration",
             TaskKind::Map(_) => "map",
             TaskKind::HopfSurface(_) => "hopf-surface",
@@ -159,6 +227,7 @@ impl TaskKind {
             TaskKind::Equilibria(task) => &task.along,
             TaskKind::Cycles(task) => &task.along,
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => &task.along,
+            TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => &task.along,
             TaskKind::Calibration(task) => &task.along,
             TaskKind::Map(task) => &task.along,
             TaskKind::HopfSurface(task) => &task.along,
@@ -168,9 +237,13 @@ impl TaskKind {
     /// The point that the task starts from, "straight/HB1", and where the scene says so.
     pub fn from(&self) -> Option<(&str, &Place)> {
         match self {
-            TaskKind::Equilibria(_) | TaskKind::Map(_) => None,
+            TaskKind::Equilibria(task) => task.from.as_ref().map(|(from, at)| (from.as_str(), at)),
+            TaskKind::Map(_) => None,
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => Some((&task.from, &task.from_at)),
+            TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => {
+                Some((&task.from, &task.from_at))
+            }
             TaskKind::Calibration(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfSurface(task) => Some((&task.from, &task.from_at)),
         }
@@ -213,11 +286,13 @@ pub struct Along {
 #[derive(Clone, Debug)]
 pub struct Equilibria {
     pub along: Along,
-    /// Where in the range the branch is started, to be followed both ways; default: the lower end.
+    /// The point of another branch that this one starts from, "straight/BP1", and its place.
+    pub from: Option<(String, Place)>,
+    /// Where in the range the branch is started without one, to be followed both ways; default: the lower end.
     pub start: Option<f64>,
     /// Leading eigenvalues followed as continuous branches; 0: none.
     pub spectrum: usize,
-    /// Kinds of special points looked for: "HB", "LP".
+    /// Kinds of special points looked for: "HB", "LP", "BP".
     pub detect: Vec<String>,
 }
 
@@ -225,11 +300,12 @@ pub struct Equilibria {
 #[derive(Clone, Debug)]
 pub struct Cycles {
     pub along: Along,
-    /// "straight/HB1".
+    /// "straight/HB1", or where other cycles bifurcate: "beat/PD1", "beat/BPC1".
     pub from: String,
     pub from_at: Place,
-    /// Mesh intervals over the computed part of the period. Default 20.
-    pub intervals: usize,
+    /// Mesh intervals over the computed part of the period; None, the default: 20, or as many as the cycles have that
+    /// they start from, twice as many for twice the period.
+    pub intervals: Option<usize>,
     /// Degree of the collocation polynomials, 2-7. Default 4.
     pub degree: usize,
     /// `points = "radau"` (default): right for stiff problems, order 2m - 1; `"gauss"`: order 2m.
@@ -238,9 +314,11 @@ pub struct Cycles {
     pub multipliers: usize,
     /// `symmetry = "auto"` (default) uses half a period where the model allows; "none" the full one.
     pub symmetry: bool,
+    /// Kinds of special points looked for: "LPC", "PD", "NS", "BPC".
+    pub detect: Vec<String>,
 }
 
-/// `kind = "hopf-curve"` or `"fold-curve"`.
+/// `kind = "hopf-curve"`, `"fold-curve"`, `"lpc-curve"`, `"pd-curve"` or `"ns-curve"`.
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// Two parameters; only the second must have a range.

@@ -96,7 +96,7 @@ fn read_value(text: &str) -> Result<Node, Fault> {
 }
 
 fn bare(text: &str) -> Node {
-    Node { line: None, content: Content::Text(text.to_owned()) }
+    Node::set(Content::Text(text.to_owned()))
 }
 
 /// The `[[task]]` or `[[figure]]` of the given name.
@@ -138,7 +138,7 @@ fn put(table: &mut Table, path: &[String], value: &Node) -> Result<(), Fault> {
     }
     if table.get(key).is_none() {
         let content = Content::Table(Table::default());
-        table.set(key, Node { line: None, content });
+        table.set(key, Node::set(content));
     }
     match table.get_mut(key).map(|node| &mut node.content) {
         Some(Content::Table(inner)) => put(inner, rest, value),

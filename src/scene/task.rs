@@ -6,13 +6,23 @@ use super::tree::Content;
 use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, map, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 7] =
-    ["equilibria", "cycles", "hopf-curve", "fold-curve", "hopf-surface", "calibration", "map"];
+pub const TASK_KINDS: [&str; 10] = [
+    "equilibria",
+    "cycles",
+    "hopf-curve",
+    "fold-curve",
+    "lpc-curve",
+    "pd-curve",
+    "ns-curve",
+    "hopf-surface",
+    "calibration",
+    "map",
+];
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
-const EQUILIBRIA: [&str; 4] = ["log", "start", "spectrum", "detect"];
-const CYCLES: [&str; 6] = ["from", "intervals", "degree", "points", "multipliers", "symmetry"];
+const EQUILIBRIA: [&str; 5] = ["log", "from", "start", "spectrum", "detect"];
+const CYCLES: [&str; 7] = ["from", "intervals", "degree", "points", "multipliers", "symmetry", "detect"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
 const CALIBRATION: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "targets", "starts", "errors"];
 const MAP: [&str; 7] = ["name", "kind", "free", "range", "log", "grid", "errors"];
@@ -49,6 +59,20 @@ pub(super) fn read(
             section.allow("key of a fold-curve task", &CURVE)?;
             TaskKind::FoldCurve(several::curve(section, read, announced, "from = \"TASK/LP1\", a fold of the curve")?)
         }
+        kind @ ("lpc-curve" | "pd-curve" | "ns-curve") => {
+            section.allow("key of a curve of cycles", &CURVE)?;
+            let example = match kind {
+                "lpc-curve" => "from = \"TASK/LPC1\", a fold of cycles",
+                "pd-curve" => "from = \"TASK/PD1\", a period doubling",
+                _ => "from = \"TASK/NS1\", a torus bifurcation",
+            };
+            let curve = several::curve(section, read, announced, example)?;
+            match kind {
+                "lpc-curve" => TaskKind::LpcCurve(curve),
+                "pd-curve" => TaskKind::PdCurve(curve),
+                _ => TaskKind::NsCurve(curve),
+            }
+        }
         "calibration" => {
             section.allow("key of a calibration task", &CALIBRATION)?;
             TaskKind::Calibration(calibration::read(section, read, announced)?)
@@ -63,15 +87,27 @@ pub(super) fn read(
         }
         _ => {
             section.allow("key of an equilibria task", &[&COMMON[..], &EQUILIBRIA].concat())?;
-            TaskKind::Equilibria(equilibria(section)?)
+            TaskKind::Equilibria(equilibria(section, read, announced)?)
         }
     };
     Ok(Task { name, kind, at: section.at.clone() })
 }
 
-fn equilibria(section: &Section<'_>) -> Result<Equilibria, SceneError> {
+fn equilibria(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Result<Equilibria, SceneError> {
     let along = along::read(section)?;
+    let from = match section.get("from") {
+        Some(entry) => {
+            label::check(entry.text()?, read, announced).map_err(|fault| entry.error(fault))?;
+            if let Some(start) = section.get("start") {
+                return Err(start
+                    .error(Fault::Other("a branch starts at a point (from) or at a value (start); keep one".into())));
+            }
+            Some((entry.text()?.to_owned(), entry.at))
+        }
+        None => None,
+    };
     Ok(Equilibria {
+        from,
         start: match section.get("start") {
             Some(entry) => Some(inside(&entry, &along)?),
             None => None,
@@ -82,7 +118,7 @@ fn equilibria(section: &Section<'_>) -> Result<Equilibria, SceneError> {
             None => 0,
         },
         detect: match section.get("detect") {
-            Some(entry) => detect(&entry)?,
+            Some(entry) => detect(&entry, &["HB", "LP", "BP"])?,
             None => Vec::new(),
         },
     })
@@ -94,9 +130,9 @@ fn inside(entry: &Entry<'_>, along: &Along) -> Result<f64, SceneError> {
     if (from..=to).contains(&value) { Ok(value) } else { Err(entry.error(Fault::OutsideRange { value, from, to })) }
 }
 
-fn detect(entry: &Entry<'_>) -> Result<Vec<String>, SceneError> {
-    for item in entry.list("a list such as [\"HB\", \"LP\"]")? {
-        item.choice("kind of point to detect", &["HB", "LP"])?;
+fn detect(entry: &Entry<'_>, kinds: &[&'static str]) -> Result<Vec<String>, SceneError> {
+    for item in entry.list(&format!("a list such as {kinds:?}"))? {
+        item.choice("kind of point to detect", kinds)?;
     }
     entry.texts()
 }
@@ -109,8 +145,12 @@ fn cycles(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Resu
         from: from.text()?.to_owned(),
         from_at: from.at,
         intervals: match section.get("intervals") {
-            Some(entry) => entry.count(2..=10_000)?,
-            None => 20,
+            Some(entry) => Some(entry.count(2..=10_000)?),
+            None => None,
+        },
+        detect: match section.get("detect") {
+            Some(entry) => detect(&entry, &["LPC", "PD", "NS", "BPC"])?,
+            None => Vec::new(),
         },
         degree: match section.get("degree") {
             Some(entry) => entry.count(2..=7)?,

@@ -1,6 +1,7 @@
 //! A TOML document as plain data that remembers lines. Not serde: an own tree lets `--set` and the file feed one
 //! reader, and lets every message name line, key and allowed values.
 
+use std::ops::Range;
 use std::path::Path;
 
 use toml::Spanned;
@@ -12,7 +13,16 @@ use super::SceneError;
 #[derive(Clone, Debug)]
 pub(super) struct Node {
     pub line: Option<usize>,
+    /// Line and column at which a string begins, where the file has it letter by letter, without escapes.
+    pub begins: Option<(usize, usize)>,
     pub content: Content,
+}
+
+impl Node {
+    /// One that is in no file.
+    pub fn set(content: Content) -> Node {
+        Node { line: None, begins: None, content }
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -75,24 +85,40 @@ pub(super) fn document(text: &str, path: &Path) -> Result<Table, SceneError> {
         column: lines.column(text, offset),
         message,
     };
+    let place = Locator { text, lines: &lines };
     let table = DeTable::parse(text).map_err(|error| {
         let offset = error.span().map_or(text.len(), |span| span.start);
         refuse(offset, error.message().to_owned())
     })?;
-    let line = |offset| Some(lines.line(offset));
-    convert_table(table.get_ref(), &line).map_err(|(offset, message)| refuse(offset, message))
+    convert_table(table.get_ref(), Some(&place)).map_err(|(offset, message)| refuse(offset, message))
 }
 
 /// Reads one value, as `--set` gives it.
 pub(super) fn value(text: &str) -> Result<Node, String> {
     let value = DeValue::parse(text).map_err(|error| error.message().to_owned())?;
-    convert(&value, &|_| None).map_err(|(_, message)| message)
+    convert(&value, None).map_err(|(_, message)| message)
 }
 
-type LineOf<'a> = dyn Fn(usize) -> Option<usize> + 'a;
+/// Where things stand in a file.
+struct Locator<'a> {
+    text: &'a str,
+    lines: &'a Lines,
+}
+
+impl Locator<'_> {
+    /// Where the content of a string begins, if the file has it letter by letter.
+    fn begins(&self, span: Range<usize>, content: &str) -> Option<(usize, usize)> {
+        let raw = self.text.get(span.clone())?;
+        let quotes = ["\"\"\"\n", "'''\n", "\"\"\"", "'''", "\"", "'"];
+        let quote = quotes.iter().find(|quote| raw.starts_with(**quote))?;
+        let start = span.start + quote.len();
+        let verbatim = raw.get(quote.len()..)?.starts_with(content);
+        verbatim.then(|| (self.lines.line(start), self.lines.column(self.text, start)))
+    }
+}
 
 /// The recursion is bounded: `toml` refuses documents nested deeper than 80.
-fn convert(value: &Spanned<DeValue<'_>>, line: &LineOf<'_>) -> Result<Node, (usize, String)> {
+fn convert(value: &Spanned<DeValue<'_>>, place: Option<&Locator<'_>>) -> Result<Node, (usize, String)> {
     let start = value.span().start;
     let content = match value.get_ref() {
         DeValue::String(text) => Content::Text(text.to_string()),
@@ -109,17 +135,23 @@ fn convert(value: &Spanned<DeValue<'_>>, line: &LineOf<'_>) -> Result<Node, (usi
         }
         DeValue::Boolean(flag) => Content::Flag(*flag),
         DeValue::Datetime(date) => Content::Date(date.to_string()),
-        DeValue::Array(items) => Content::List(items.iter().map(|item| convert(item, line)).collect::<Result<_, _>>()?),
-        DeValue::Table(table) => Content::Table(convert_table(table, line)?),
+        DeValue::Array(items) => {
+            Content::List(items.iter().map(|item| convert(item, place)).collect::<Result<_, _>>()?)
+        }
+        DeValue::Table(table) => Content::Table(convert_table(table, place)?),
     };
-    Ok(Node { line: line(start), content })
+    let begins = match (&content, place) {
+        (Content::Text(text), Some(place)) => place.begins(value.span(), text),
+        _ => None,
+    };
+    Ok(Node { line: place.map(|place| place.lines.line(start)), begins, content })
 }
 
-fn convert_table(table: &DeTable<'_>, line: &LineOf<'_>) -> Result<Table, (usize, String)> {
+fn convert_table(table: &DeTable<'_>, place: Option<&Locator<'_>>) -> Result<Table, (usize, String)> {
     let mut entries = Vec::with_capacity(table.len());
     for (key, value) in table.iter() {
-        let mut node = convert(value, line)?;
-        node.line = line(key.span().start);
+        let mut node = convert(value, place)?;
+        node.line = place.map(|place| place.lines.line(key.span().start));
         entries.push((key.get_ref().to_string(), node));
     }
     Ok(Table { entries })

@@ -1,13 +1,17 @@
 //! What several test files share: parameters, small systems, the way to a Hopf point.
 #![allow(dead_code)]
 
+pub mod brusselator;
+pub mod lorenz;
+pub mod text;
+
 use faer::Mat;
 use hopfline::bifurcation::{Coordinate, Equilibria, Hopf, HopfNormalForm};
-use hopfline::continuation::{Border, Counts, StepControl, Stop, System, Walk, correct};
+use hopfline::continuation::{Border, Counts, Point, StepControl, Stop, System, Walk, correct};
 use hopfline::linalg::c64;
 use hopfline::models::{Law, Load, TwoDoublet};
 use hopfline::orbit::{Collocation, Frame, Multipliers, Orbit, Points, from_hopf, half_period};
-use hopfline::problem::{At, Automatic, Bounds, Default, Parameter, Problem};
+use hopfline::problem::{At, Automatic, Bounds, Default, Parameter, Problem, Reflection};
 use hopfline::run::{RunOptions, run};
 use hopfline::scene::Scene;
 use std::path::Path;
@@ -40,8 +44,7 @@ pub fn close_complex(what: &str, a: c64, b: c64, tolerance: f64) {
 
 /// `G_u` and `G_v`.
 pub fn matrices(problem: &dyn Problem, at: At) -> (Mat<f64>, Mat<f64>) {
-    let (gu, gv) = problem.linearised(at);
-    (gu.dense().to_owned(), gv.dense().to_owned())
+    problem.linearised(at)
 }
 
 /// Eigenvalues and vectors at an equilibrium (not checked to be one).
@@ -174,7 +177,7 @@ impl Flagellum {
             system.prepare(&mut point);
             let border = fixed(point.x.len());
             let corrected = correct(&system, (point.x, load), &border, counts).expect("a cycle");
-            let multipliers = corrected.factors.multipliers().expect("multipliers");
+            let multipliers = corrected.factors.multipliers(None).expect("multipliers");
             point = corrected.point;
             let orbit = system.orbit(&point.x);
             let p = system.parameters(load);
@@ -207,4 +210,35 @@ pub fn refused(name: &str, sets: &[&str], wanted: &str) {
         },
     };
     assert!(message.contains(wanted), "{message:?} lacks {wanted:?}");
+}
+
+/// The first cycle from a Hopf point at radius r, over a whole period, corrected across the way in which cycles grow;
+/// `scales` of state and parameter.
+pub fn first_cycle(
+    problem: Arc<dyn Problem>,
+    hopf: &Hopf,
+    r: f64,
+    mesh: (usize, usize, Points),
+    (scale_state, scale_lambda): (f64, f64),
+) -> (Collocation, Point) {
+    let form = HopfNormalForm::new(&*problem, hopf).expect("a normal form");
+    let symmetry = Reflection::identity(problem.dim());
+    let predict = |r: f64| from_hopf((hopf, &form), 0, r, (&symmetry, 1), mesh);
+    let ((orbit, lambda), (ahead, further)) = (predict(r), predict(1.01 * r));
+    let frame = Frame {
+        problem,
+        p: hopf.p.clone(),
+        free: 0,
+        symmetry: symmetry.clone(),
+        parts: 1,
+        scale_state,
+        scale_part: orbit.part,
+        scale_lambda,
+    };
+    let system = Collocation::new(frame, &orbit);
+    let x = Collocation::unknowns(&orbit);
+    let direction: Vec<f64> = Collocation::unknowns(&ahead).iter().zip(&x).map(|(a, b)| a - b).collect();
+    let border = Border { row: system.dual(&direction), lambda: system.dual_lambda() * (further - lambda) };
+    let first = correct(&system, (x, lambda), &border, &mut Counts::default()).expect("a cycle").point;
+    (system, first)
 }

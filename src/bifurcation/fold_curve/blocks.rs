@@ -28,7 +28,7 @@ impl FoldFactors {
         let n = curve.problem.dim();
         let z = [x[n], lambda];
         let (gu, _, p) = curve.linearised(&x[..n], z);
-        let steady = Steady::new(gu.dense(), &curve.beta, &curve.gamma)?;
+        let steady = Steady::new(gu.as_ref(), &curve.beta, &curve.gamma)?;
         let q = steady.solve(&vec![0.0; n], 1.0);
         let w = steady.left(n)[..n].to_vec();
         let row = border.row[..n].to_vec();

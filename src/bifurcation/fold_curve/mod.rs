@@ -18,11 +18,15 @@ pub use blocks::FoldFactors;
 pub use segment::{FoldSegment, FoldTest};
 
 use super::coordinate::Coordinate;
-use super::steady::Steady;
+use super::steady::{Steady, unit};
 use crate::continuation::{Border, Counts, Failure, Point, System, correct, inner};
-use crate::linalg::{Matrix, Singular, c64, dot, pencil};
+use crate::linalg::{Singular, c64, dot, pencil};
 use crate::problem::{At, Direction, Problem};
+use faer::Mat;
 use std::sync::Arc;
+
+/// The kernel's vectors q and w, and G_v.
+type Kernel = (Vec<f64>, Vec<f64>, Mat<f64>);
 
 /// The system of a fold curve.
 #[derive(Clone)]
@@ -90,7 +94,7 @@ impl FoldCurve {
         p
     }
 
-    fn linearised(&self, u: &[f64], z: [f64; 2]) -> (Matrix, Matrix, Vec<f64>) {
+    fn linearised(&self, u: &[f64], z: [f64; 2]) -> (Mat<f64>, Mat<f64>, Vec<f64>) {
         let (rest, p) = (vec![0.0; u.len()], self.values(z));
         let (gu, gv) = self.problem.linearised(At { u, v: &rest, p: &p });
         (gu, gv, p)
@@ -102,10 +106,10 @@ impl FoldCurve {
     }
 
     /// The kernel's vectors q and w (`gamma . q = beta . w = 1`), and G_v.
-    fn kernel(&self, point: &Point) -> Result<(Vec<f64>, Vec<f64>, Matrix), Singular> {
+    fn kernel(&self, point: &Point) -> Result<Kernel, Singular> {
         let n = self.problem.dim();
         let (gu, gv, _) = self.linearised(&point.x[..n], [point.x[n], point.lambda]);
-        let steady = Steady::new(gu.dense(), &self.beta, &self.gamma)?;
+        let steady = Steady::new(gu.as_ref(), &self.beta, &self.gamma)?;
         let (mut q, mut w) = (steady.solve(&vec![0.0; n], 1.0), steady.left(n));
         q.truncate(n);
         w.truncate(n);
@@ -126,7 +130,7 @@ impl FoldCurve {
     /// Zero at a Bogdanov-Takens point: `w^T M q`.
     pub fn mass(&self, point: &Point) -> Result<f64, Singular> {
         let (q, w, gv) = self.kernel(point)?;
-        let gv = gv.dense();
+        let gv = gv.as_ref();
         let moved: Vec<f64> = (0..q.len()).map(|i| (0..q.len()).map(|j| gv[(i, j)] * q[j]).sum()).collect();
         Ok(dot(&w, &moved))
     }
@@ -135,7 +139,7 @@ impl FoldCurve {
     pub fn others(&self, point: &Point, shift: f64) -> Result<Vec<c64>, Singular> {
         let n = self.problem.dim();
         let (gu, gv, _) = self.linearised(&point.x[..n], [point.x[n], point.lambda]);
-        let mut values: Vec<c64> = pencil(gu.dense(), gv.dense(), shift, 0)?.iter().map(|pair| pair.value).collect();
+        let mut values: Vec<c64> = pencil(gu.as_ref(), gv.as_ref(), shift, 0)?.iter().map(|pair| pair.value).collect();
         if let Some(k) = (0..values.len()).min_by(|&j, &k| values[j].norm().total_cmp(&values[k].norm())) {
             values.remove(k);
         }
@@ -152,7 +156,7 @@ impl System for FoldCurve {
         let rest = vec![0.0; n];
         self.problem.residual(At { u: &x[..n], v: &rest, p: &p }, &mut r[..n]);
         // A singular bordered matrix has no scalar: the residual then is not a number, and the step fails.
-        let steady = Steady::new(gu.dense(), &self.beta, &self.gamma);
+        let steady = Steady::new(gu.as_ref(), &self.beta, &self.gamma);
         r[n] = steady.map_or(f64::NAN, |steady| steady.solve(&vec![0.0; n], 1.0)[n]);
     }
 
@@ -184,9 +188,4 @@ impl System for FoldCurve {
         }
         false
     }
-}
-
-fn unit(x: &[f64]) -> Vec<f64> {
-    let size = dot(x, x).sqrt();
-    x.iter().map(|x| x / size).collect()
 }

@@ -18,9 +18,10 @@ use super::coordinate::Coordinate;
 use super::steady::Steady;
 use super::{Hopf, HopfError};
 use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, correct, inner};
-use crate::linalg::{Eigenpair, Matrix, Singular, c64, dot, pencil};
+use crate::linalg::{Eigenpair, Singular, c64, dot, pencil};
 use crate::problem::{At, Problem, Prolongation};
 pub(super) use blocks::Place;
+use faer::Mat;
 use std::sync::Arc;
 
 /// A relative change of kappa counts as so much arclength: hardly anything, since the parameters already tell points of
@@ -117,7 +118,7 @@ impl HopfCurve {
     }
 
     /// G_u, G_v and all parameters.
-    fn linearised(&self, u: &[f64], z: [f64; 2]) -> (Matrix, Matrix, Vec<f64>) {
+    fn linearised(&self, u: &[f64], z: [f64; 2]) -> (Mat<f64>, Mat<f64>, Vec<f64>) {
         let (rest, p) = (vec![0.0; u.len()], self.values(z));
         let (gu, gv) = self.problem.linearised(At { u, v: &rest, p: &p });
         (gu, gv, p)
@@ -128,7 +129,7 @@ impl HopfCurve {
     pub fn hopf(&self, point: &Point, free: usize) -> Result<Hopf, HopfError> {
         let n = self.problem.dim();
         let (gu, gv, p) = self.linearised(&point.x[..n], self.coordinates(point));
-        let q = Scalar::new(gu.dense(), gv.dense(), self.kappa(point), &self.borders)?.vector();
+        let q = Scalar::new(gu.as_ref(), gv.as_ref(), self.kappa(point), &self.borders)?.vector();
         let omega = self.kappa(point).max(0.0).sqrt();
         let found = Hopf::locate(&*self.problem, (&point.x[..n], &p), free, omega, &q)?;
         if free == self.first.index { Ok(found) } else { found.along(&*self.problem, self.first.index) }
@@ -138,7 +139,7 @@ impl HopfCurve {
     pub fn steady(&self, point: &Point) -> Result<f64, Singular> {
         let n = self.problem.dim();
         let (gu, ..) = self.linearised(&point.x[..n], self.coordinates(point));
-        Ok(Steady::new(gu.dense(), &self.borders.beta, &self.borders.gamma)?.solve(&vec![0.0; n], 1.0)[n])
+        Ok(Steady::new(gu.as_ref(), &self.borders.beta, &self.borders.gamma)?.solve(&vec![0.0; n], 1.0)[n])
     }
 
     /// Eigenvalues without the critical pair, rightmost first.
@@ -149,7 +150,7 @@ impl HopfCurve {
         // Irrational in units of omega, so that it is no eigenvalue itself.
         let shift = std::f64::consts::E * omega.max(self.borders.unit);
         let mut values: Vec<c64> =
-            pencil(gu.dense(), gv.dense(), shift, 0)?.iter().map(|Eigenpair { value, .. }| *value).collect();
+            pencil(gu.as_ref(), gv.as_ref(), shift, 0)?.iter().map(|Eigenpair { value, .. }| *value).collect();
         for critical in [c64::new(0.0, omega), c64::new(0.0, -omega)] {
             let distance = |k: &usize| (values[*k] - critical).norm();
             if let Some(k) = (0..values.len()).min_by(|j, k| distance(j).total_cmp(&distance(k))) {
@@ -190,7 +191,7 @@ impl System for HopfCurve {
         let rest = vec![0.0; n];
         self.problem.residual(At { u: &x[..n], v: &rest, p: &p }, &mut r[..n]);
         // A singular bordered matrix has no scalar: the residual then is not a number, and the step fails.
-        let scalar = Scalar::new(gu.dense(), gv.dense(), x[n], &self.borders);
+        let scalar = Scalar::new(gu.as_ref(), gv.as_ref(), x[n], &self.borders);
         (r[n], r[n + 1]) = scalar.map_or((f64::NAN, f64::NAN), |g| (g.a, g.b));
     }
 
@@ -199,7 +200,7 @@ impl System for HopfCurve {
         let (u, kappa, z) = (&x[..n], x[n], [x[n + 1], lambda]);
         let row = [&border.row[..], &[border.lambda]].concat();
         let (gu, gv, p) = self.linearised(u, z);
-        let place = Place { u, kappa, p, linear: (gu.dense(), gv.dense()) };
+        let place = Place { u, kappa, p, linear: (gu.as_ref(), gv.as_ref()) };
         let coordinates = [(self.first, z[0]), (self.second, z[1])];
         HopfFactors::new(self.problem.clone(), place, &coordinates, &self.borders, &[&row])
     }
@@ -222,7 +223,7 @@ impl System for HopfCurve {
         let n = self.problem.dim();
         let (gu, gv, _) = self.linearised(&point.x[..n], self.coordinates(point));
         let kappa = self.kappa(point);
-        self.borders.follow(gu.dense(), gv.dense(), kappa);
+        self.borders.follow(gu.as_ref(), gv.as_ref(), kappa);
         let length = inner(self, (&point.tangent, point.tangent_lambda), (&point.tangent, point.tangent_lambda)).sqrt();
         if length > 0.0 {
             point.tangent.iter_mut().for_each(|t| *t /= length);

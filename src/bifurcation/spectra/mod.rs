@@ -2,7 +2,7 @@
 
 mod exceptional;
 
-use super::{Equilibria, Followed, Hopf, HopfNormalForm, follow, settle};
+use super::{BranchPoint, Equilibria, Fold, Followed, Hopf, HopfNormalForm, follow, settle};
 use crate::continuation::{Counts, Failure, Point, at_fraction, at_lambda};
 use crate::linalg::{Singular, c64, growth};
 use exceptional::Meeting;
@@ -15,7 +15,9 @@ pub enum Mark {
     /// The branch could not be followed further.
     Stuck,
     User,
-    Fold,
+    /// With its normal form, where its defining system could be solved.
+    Fold(Option<Box<Fold>>),
+    Branch(Box<BranchPoint>),
     Hopf(Box<(Hopf, HopfNormalForm)>),
     /// Two eigenvalues coalesce at this value: a pair is born or dies on the real axis, or two pairs meet.
     Exceptional(c64),
@@ -98,12 +100,17 @@ impl<'a> Spectra<'a> {
         self.looked_at(self.system, &point.x, point.lambda)
     }
 
+    /// As many eigenvalues as are ever looked at.
+    fn count(&self) -> usize {
+        4 * self.wanted + 8
+    }
+
     /// Of a system's eigenvalues the leading ones, and those of the same frequency: the other halves of two pairs that met
     /// on the axis decay fastest of all.
     fn looked_at(&self, system: &Equilibria, x: &[f64], lambda: f64) -> Result<Vec<c64>, Failure> {
-        let all = system.spectrum(x, lambda, self.shift, 0)?;
-        let mut values: Vec<c64> = all.iter().map(|pair| pair.value).collect();
-        let rest = values.split_off(values.len().min(4 * self.wanted + 8));
+        let found = system.leading(x, lambda, self.shift, self.count(), 0)?;
+        let mut values: Vec<c64> = found.pairs.iter().map(|pair| pair.value).collect();
+        let rest = values.split_off(values.len().min(self.count()));
         let alike = |z: &c64| z.im != 0.0 && values.iter().any(|w| (w.im - z.im).abs() <= SAME * z.norm());
         let halves: Vec<c64> = rest.into_iter().filter(alike).collect();
         values.extend(halves);
@@ -112,13 +119,14 @@ impl<'a> Spectra<'a> {
 
     /// The rightmost eigenvalue's vector.
     pub fn mode(&self, point: &Point) -> Option<Vec<c64>> {
-        let pairs = self.system.spectrum(&point.x, point.lambda, self.shift, 1).ok()?;
-        pairs.into_iter().next().map(|pair| pair.vector)
+        let found = self.system.leading(&point.x, point.lambda, self.shift, self.count(), 1).ok()?;
+        found.pairs.into_iter().next().map(|pair| pair.vector)
     }
 
     /// The rightmost eigenvalue of another discretisation of the same system.
     pub fn leading(&self, system: &Equilibria, point: &Point) -> Option<c64> {
-        system.spectrum(&point.x, point.lambda, self.shift, 0).ok()?.first().map(|pair| pair.value)
+        let found = system.leading(&point.x, point.lambda, self.shift, self.count(), 0).ok()?;
+        found.pairs.first().map(|pair| pair.value)
     }
 
     /// Puts every sample's eigenvalues in the order of the branches; adds samples where they cannot be told apart
@@ -295,7 +303,8 @@ impl<'a> Spectra<'a> {
         let theta = x.re / (x.re - y.re);
         let near = at_fraction(self.system, (&a.point, &b.point), theta, counts).ok()?.point;
         let expected = x + (y - x) * theta;
-        let pairs = self.system.spectrum(&near.x, near.lambda, self.shift, 2 * self.wanted + 8).ok()?;
+        let vectors = 2 * self.wanted + 8;
+        let pairs = self.system.leading(&near.x, near.lambda, self.shift, self.count(), vectors).ok()?.pairs;
         counts.spectra += 1;
         let pair = pairs
             .iter()

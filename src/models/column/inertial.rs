@@ -17,7 +17,8 @@ pub fn linearise(basis: &Basis, forces: &Forces<f64>, at: At, gu: &mut Matrix, g
     let k = basis.functions;
     let state = State { psi: &at.u[..k], rate: &at.u[k..], acceleration: Some(&at.v[k..]) };
     let slopes = slopes(basis, forces, &state);
-    let (mut gu, mut gv) = (gu.dense_mut(), gv.dense_mut());
+    let (Matrix::Dense(gu), Matrix::Dense(gv)) = (gu, gv) else { return };
+    let (mut gu, mut gv) = (gu.as_mut(), gv.as_mut());
     gu.fill(0.0);
     gv.fill(0.0);
     for i in 0..k {

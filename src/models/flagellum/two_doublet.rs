@@ -241,7 +241,9 @@ impl Formula for TwoDoublet {
     }
 
     fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix) {
-        super::linearisation::fill(self, at, gu.dense_mut(), gv.dense_mut());
+        if let (Matrix::Dense(gu), Matrix::Dense(gv)) = (gu, gv) {
+            super::linearisation::fill(self, at, gu.as_mut(), gv.as_mut());
+        }
     }
 
     fn time_unit(&self) -> &'static str {

@@ -1,57 +1,44 @@
 //! The branch of equilibria with its step control alone.
 
-use crate::bifurcation::{Coordinate, Equilibria, reverse};
-use crate::continuation::{Border, Counts, Failure, Point, StepControl, Stop, Walk, correct};
-use crate::problem::Problem;
-use crate::run::study::Prepared;
+use crate::bifurcation::{Equilibria, reverse};
+use crate::continuation::{Counts, Point, StepControl, Stop, Walk};
 use crate::run::watch::{Watch, interrupted};
 use crate::scene;
 
 /// Points in the order of the branch.
 pub struct Walked {
     pub points: Vec<Point>,
+    /// Signs of the determinants bordered by the tangents, where asked for and known.
+    pub signs: Vec<Option<f64>>,
     /// Why the way down from the start ended, where there was one.
     pub back: Option<Stop>,
     /// Why the way up ended, or the only way.
     pub stop: Stop,
 }
 
-pub fn system(prepared: &Prepared, along: &scene::Along) -> Equilibria {
-    let logarithmic = along.logarithmic.contains(&along.free);
-    let mut coordinate = Coordinate { index: prepared.free, logarithmic, width: 1.0 };
-    coordinate.width = coordinate.of(along.range.to) - coordinate.of(along.range.from);
-    Equilibria { problem: prepared.problem.clone(), p: prepared.p.clone(), coordinate, scale_state: 1.0 }
-}
+/// Largest step in parts of the range.
+const LARGEST_STEP: f64 = 0.02;
 
-/// From the start, which is the lower end of the range unless the scene says otherwise, both ways as far as there are.
+/// From the start both ways, as far as they do not leave the range at once.
 pub fn walk(
-    prepared: &Prepared,
     system: &mut Equilibria,
-    task: &scene::Equilibria,
+    (first, sign): (Point, Option<f64>),
+    (along, signed): (&scene::Along, bool),
     watch: &Watch,
     counts: &mut Counts,
-) -> Result<Walked, Failure> {
-    let along = &task.along;
+) -> Walked {
     let coordinate = system.coordinate;
     let (from, to) = (coordinate.of(along.range.from), coordinate.of(along.range.to));
-    let begin = task.start.map_or(from, |start| coordinate.of(start));
-    let u = prepared.problem.start(&system.parameters(begin));
-    let rms = (u.iter().map(|u| u * u).sum::<f64>() / u.len() as f64).sqrt();
-    if rms > 0.0 {
-        system.scale_state = rms;
-    }
-    let border = Border { row: vec![0.0; u.len()], lambda: 1.0 };
-    let first = correct(&*system, (u, begin), &border, counts)?.point;
-    let most = along.max_step.map_or(0.02, |step| step / (to - from).abs());
+    let most = along.max_step.map_or(LARGEST_STEP, |step| step / (to - from).abs());
     let mut way = |start: Point, room: usize| {
         let control = StepControl { step: 0.25 * most, least: 1e-9 * most, most };
-        let mut points = Vec::new();
+        let mut found = Vec::new();
         let mut walk = Walk::new(&mut *system, start, control, (from, to));
         let stop = loop {
             if interrupted() {
                 break Stop::Interrupted;
             }
-            if points.len() >= room {
+            if found.len() >= room {
                 break Stop::MaxPoints;
             }
             match walk.step() {
@@ -59,7 +46,7 @@ pub fn walk(
                     let lambda = step.to.lambda;
                     let message = format!("{} = {:.6}", along.free, coordinate.value(lambda));
                     watch.at((lambda - from) / (to - from), message);
-                    points.push(step.to);
+                    found.push((step.to, signed.then(|| step.factors.sign())));
                     if let Some(stop) = step.stop {
                         break stop;
                     }
@@ -68,28 +55,36 @@ pub fn walk(
             }
         };
         *counts += walk.counts;
-        (points, stop)
+        (found, stop)
     };
+    let slack = 1e-12 * (to - from);
+    let outward =
+        |tangent: f64| (first.lambda <= from + slack && tangent < 0.0) || (first.lambda >= to - slack && tangent > 0.0);
+    let (down, up) = (!outward(-first.tangent_lambda), !outward(first.tangent_lambda));
     let room = along.max_points.saturating_sub(1);
-    let (mut points, mut back) = (Vec::new(), None);
-    if begin > from {
-        let mut down = first.clone();
-        reverse(&mut down);
-        let (mut found, stop) = way(down, if begin < to { room.div_ceil(2) } else { room });
-        // One orientation for the whole branch.
-        found.iter_mut().for_each(reverse);
+    let (mut all, mut back) = (Vec::new(), None);
+    if down {
+        let mut turned = first.clone();
+        reverse(&mut turned);
+        let (mut found, stop) = way(turned, if up { room.div_ceil(2) } else { room });
+        // One orientation for the whole branch: with the tangent the determinant changes its sign.
+        for (point, sign) in &mut found {
+            reverse(point);
+            *sign = sign.map(|sign| -sign);
+        }
         found.reverse();
-        (points, back) = (found, Some(stop));
+        (all, back) = (found, Some(stop));
     }
-    let left = room - points.len();
-    points.push(first.clone());
+    let left = room - all.len();
+    all.push((first.clone(), sign.filter(|_| signed)));
     let closed = matches!(back, Some(Stop::Closed | Stop::Interrupted));
-    let stop = if begin < to && !closed {
+    let stop = if up && !closed {
         let (found, stop) = way(first, left);
-        points.extend(found);
+        all.extend(found);
         stop
     } else {
         back.take().unwrap_or(Stop::RangeEnd)
     };
-    Ok(Walked { points, back, stop })
+    let (points, signs) = all.into_iter().unzip();
+    Walked { points, signs, back, stop }
 }

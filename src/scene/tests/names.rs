@@ -34,7 +34,7 @@ fn names_and_references_are_checked() {
         (
             "from = \"straight/HB1\"",
             "from = \"straight\"",
-            "26: task.beat.from: \"straight\" is not a label; write TASK/KINDn, for example \"straight/HB1\", with KIND one of HB, LP, UZ, EP, GH, BT, ZH, HH and n counting from 1",
+            "26: task.beat.from: \"straight\" is not a label; write TASK/KINDn, for example \"straight/HB1\", with KIND one of HB, LP, BP, UZ, EP, GH, BT, ZH, HH and n counting from 1",
         ),
         (
             "from = \"straight/HB1\"\n",
@@ -64,7 +64,7 @@ fn names_and_references_are_checked() {
         (
             "\"beat/UZ1\".\"max",
             "\"beat/UZ0\".\"max",
-            "58: expect.beat/UZ0: \"beat/UZ0\" is not a label; write TASK/KINDn, for example \"straight/HB1\", with KIND one of HB, LP, UZ, EP, GH, BT, ZH, HH and n counting from 1",
+            "58: expect.beat/UZ0: \"beat/UZ0\" is not a label; write TASK/KINDn, for example \"straight/HB1\", with KIND one of HB, LP, BP, UZ, EP, GH, BT, ZH, HH and n counting from 1",
         ),
     ]);
     // The same through a second [[task]] of the name, which takes the place of the first in no silent way.
@@ -81,12 +81,12 @@ fn wrong_shapes_are_refused() {
     for (text, expected) in [
         (
             "",
-            "problems/good.toml: the section [model] is missing; add [model] with name = \"MODEL\" (`hopfline models` lists them)",
+            "problems/good.toml: the section [model] is missing; add [model] with name = \"MODEL\" (`hopfline models` lists them) or with equations = \"x' = ...\"",
         ),
         ("model = 3", "problems/good.toml:1: model: must be a section, [model], but is the whole number 3"),
         (
             "[model]",
-            "problems/good.toml:1: model: the key \"name\" is missing; add name = \"MODEL\" (`hopfline models` lists them)",
+            "problems/good.toml:1: model: the key \"name\" is missing; add name = \"MODEL\" (`hopfline models` lists them), or equations = \"x' = ...\"",
         ),
         (
             "[model]\nname = \"m\"\n[task]\nname = \"a\"",

@@ -134,7 +134,7 @@ fn wrong_types_and_numbers_are_refused() {
         (
             "detect = [\"HB\"]",
             "detect = \"HB\"",
-            "21: task.straight.detect: must be a list such as [\"HB\", \"LP\"], but is the string \"HB\"",
+            "21: task.straight.detect: must be a list such as [\"HB\", \"LP\", \"BP\"], but is the string \"HB\"",
         ),
         (
             "observables = [\"energy\"]",

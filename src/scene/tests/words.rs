@@ -52,8 +52,8 @@ fn unknown_words_are_refused_with_what_was_meant() {
         ),
         (
             "detect = [\"HB\"]",
-            "detect = [\"HB\", \"BP\"]",
-            "21: task.straight.detect[2]: unknown kind of point to detect \"BP\"; allowed: HB, LP",
+            "detect = [\"HB\", \"PB\"]",
+            "21: task.straight.detect[2]: unknown kind of point to detect \"PB\"; allowed: HB, LP, BP",
         ),
         (
             "symmetry = \"none\"",

@@ -4,10 +4,7 @@ use std::f64::consts::PI;
 
 use num_dual::DualNum;
 
-use super::{Expression, ExpressionError, Function, Node, Operator};
-
-/// Above this, tanh is taken from exp(-2|x|): num-dual's sinh / cosh is inf / inf from 711 on.
-const LARGE_TANH: f64 = 20.0;
+use super::{Expression, ExpressionError, Node, Operator};
 
 impl Expression {
     /// The value, with whatever derivatives `S` carries. `lookup` gives the value of a name, or None where it knows
@@ -29,10 +26,10 @@ impl Node {
         Ok(match self {
             Node::Number(value) => S::from(*value),
             Node::Pi => S::from(PI),
-            Node::Name(name) => lookup(name).ok_or_else(|| ExpressionError::UnknownName { name: name.clone() })?,
+            Node::Name(name, _) => lookup(name).ok_or_else(|| ExpressionError::UnknownName { name: name.clone() })?,
             Node::Negate(inner) => -inner.eval(lookup)?,
-            Node::Call(function, inner) => function.apply(inner.eval(lookup)?),
-            Node::Binary(operator, left, right) => {
+            Node::Call(function, inner, _) => function.apply(inner.eval(lookup)?),
+            Node::Binary(operator, left, right, _) => {
                 let left = left.eval(lookup)?;
                 if *operator == Operator::Power
                     && let Some(exponent) = right.constant()
@@ -48,41 +45,17 @@ impl Node {
                     Operator::Power => left.powd(right),
                 }
             }
+            // What only models hold; an `Expression` holds none.
+            Node::Element(..) | Node::Rate(_) | Node::Apply(..) | Node::Sum(..) => {
+                return Err(ExpressionError::UnknownName { name: self.to_string() });
+            }
         })
     }
 }
 
-impl Function {
-    fn apply<S: DualNum<Primitive = f64> + Clone>(self, x: S) -> S {
-        match self {
-            Function::Sin => x.sin(),
-            Function::Cos => x.cos(),
-            Function::Tan => x.tan(),
-            Function::Exp => x.exp(),
-            Function::Log => x.ln(),
-            Function::Log10 => x.log10(),
-            Function::Sqrt => x.sqrt(),
-            Function::Abs => x.abs(),
-            Function::Sinh => x.sinh(),
-            Function::Cosh => x.cosh(),
-            Function::Tanh => tanh(x),
-        }
-    }
-}
-
-fn tanh<S: DualNum<Primitive = f64> + Clone>(x: S) -> S {
-    let value = x.re();
-    if value.abs() < LARGE_TANH || value.is_nan() {
-        return x.tanh();
-    }
-    let small = (x.abs() * -2.0).exp();
-    let result = (-small.clone() + 1.0) / (small + 1.0);
-    if value < 0.0 { -result } else { result }
-}
-
 /// x^exponent. Whole exponents are multiplied out: num-dual's `powi` forms products of exponents in i32, which
 /// overflow, and x^(n-3), which is not finite where x^n is.
-fn power<S: DualNum<Primitive = f64> + Clone>(x: S, exponent: f64) -> S {
+pub fn power<S: DualNum<Primitive = f64> + Clone>(x: S, exponent: f64) -> S {
     if exponent.fract() != 0.0 || exponent.abs() > f64::from(i32::MAX) {
         return x.powf(exponent);
     }

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Display, Formatter};
 
-use super::{Expression, Node, Operator};
+use super::{Expression, Indices, Node, Operator};
 
 /// How tightly a node binds, loosest first; mirrors the levels of the parser.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -19,13 +19,26 @@ impl Display for Expression {
     }
 }
 
+impl Display for Node {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.print(f)
+    }
+}
+
+impl Display for Indices {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        write!(f, "{} = {}..{}", self.name, self.from, self.to)
+    }
+}
+
 impl Node {
     fn level(&self) -> Level {
         match self {
             Node::Binary(Operator::Add | Operator::Subtract, ..) => Level::Sum,
             Node::Binary(Operator::Multiply | Operator::Divide, ..) => Level::Product,
             Node::Binary(Operator::Power, ..) | Node::Negate(_) => Level::Unary,
-            Node::Number(_) | Node::Pi | Node::Name(_) | Node::Call(..) => Level::Atom,
+            Node::Number(_) | Node::Pi | Node::Name(..) | Node::Element(..) | Node::Rate(_) => Level::Atom,
+            Node::Call(..) | Node::Apply(..) | Node::Sum(..) => Level::Atom,
         }
     }
 
@@ -33,17 +46,21 @@ impl Node {
         match self {
             Node::Number(value) => print_number(*value, f),
             Node::Pi => f.write_str("pi"),
-            Node::Name(name) => f.write_str(name),
+            Node::Name(name, _) => f.write_str(name),
+            Node::Element(name, indices, _) => print_list(name, ('[', ']'), indices, f),
+            Node::Apply(name, arguments, _) => print_list(name, ('(', ')'), arguments, f),
+            Node::Rate(inner) => write!(f, "{inner}'"),
+            Node::Sum(body, indices) => write!(f, "sum({body}, {indices})"),
             Node::Negate(inner) => {
                 f.write_str("-")?;
                 inner.print_within(Level::Unary, f)
             }
-            Node::Call(function, inner) => {
+            Node::Call(function, inner, _) => {
                 write!(f, "{}(", function.name())?;
                 inner.print(f)?;
                 f.write_str(")")
             }
-            Node::Binary(operator, left, right) => {
+            Node::Binary(operator, left, right, _) => {
                 let (symbol, leftmost, rightmost) = match operator {
                     Operator::Add => (" + ", Level::Sum, Level::Product),
                     Operator::Subtract => (" - ", Level::Sum, Level::Product),
@@ -67,6 +84,14 @@ impl Node {
         self.print(f)?;
         f.write_str(")")
     }
+}
+
+fn print_list(name: &str, (open, close): (char, char), parts: &[Node], f: &mut Formatter<'_>) -> fmt::Result {
+    write!(f, "{name}{open}")?;
+    for (i, part) in parts.iter().enumerate() {
+        write!(f, "{}{part}", if i == 0 { "" } else { ", " })?;
+    }
+    write!(f, "{close}")
 }
 
 /// The shortest digits that read back as the same number, with an exponent where zeros would pile up.

@@ -1,0 +1,150 @@
+//! `symmetry = "x -> -x, y -> -y"`: read, and tried on the equations.
+
+use super::Wrong;
+use super::build::shorten;
+use super::formula::Text;
+use super::index::{Whole, values};
+use super::scope::show;
+use crate::expression::{Node, suggest};
+use crate::problem::Reflection;
+use std::collections::HashMap;
+
+/// Relative to the largest term; far above rounding, far below any true difference.
+const TOLERANCE: f64 = 1e-9;
+
+/// Unknowns that are not listed stay as they are.
+pub(super) fn read(text: &Text, written: &str, constants: &[(String, i64)]) -> Result<Reflection, Wrong> {
+    let n = text.names.len();
+    let positions: HashMap<&str, usize> = text.names.iter().enumerate().map(|(i, name)| (name.as_str(), i)).collect();
+    let whole = Whole { constants };
+    let mut reflection = Reflection::identity(n);
+    let mut at = 0;
+    for part in split(written) {
+        let wrong = |message: String| Wrong::new(at, message);
+        let Some((left, right)) = part.split_once("->") else {
+            return Err(wrong(format!("{:?} is not of the form x -> -x", part.trim())));
+        };
+        let parse = |text: &str| Node::parse(text).map_err(|error| wrong(error.fault.to_string()));
+        let (left, right) = (parse(left)?, parse(right)?);
+        let (sign, right) = match &right {
+            Node::Negate(inner) => (-1.0, &**inner),
+            other => (1.0, other),
+        };
+        let (from, to) = (symbol(&left), symbol(right));
+        let (Some((from, from_indices)), Some((to, to_indices))) = (from, to) else {
+            return Err(wrong("a symmetry takes an unknown to an unknown or its negative, as in x -> -x".to_owned()));
+        };
+        let mut any = false;
+        for i in 0..n {
+            let Some(element) = element(&text.names[i], from) else { continue };
+            // Indices that are names stand for all elements; an array without any for all as they are.
+            let mut local = Vec::new();
+            let mut matches = true;
+            for (index, &value) in from_indices.iter().zip(&element) {
+                match index {
+                    Node::Name(name, _) if !constants.iter().any(|(known, _)| known == name) => {
+                        local.push((name.clone(), value));
+                    }
+                    other => matches &= whole.value(other, &[])? == value,
+                }
+            }
+            if !matches || (!from_indices.is_empty() && from_indices.len() != element.len()) {
+                continue;
+            }
+            any = true;
+            let target = if from_indices.is_empty() { element } else { values(&whole, to_indices, &local)? };
+            let target = show(to, &target);
+            let Some(&source) = positions.get(target.as_str()) else {
+                return Err(wrong(unknown(text, &target)));
+            };
+            reflection.source[i] = source;
+            reflection.sign[i] = sign;
+        }
+        if !any {
+            return Err(wrong(unknown(text, from)));
+        }
+        at += part.len() + 1;
+    }
+    let twice = (0..n).find(|&i| {
+        let j = reflection.source[i];
+        reflection.source[j] != i || reflection.sign[i] * reflection.sign[j] != 1.0
+    });
+    if let Some(i) = twice {
+        let message = format!(
+            "the symmetry, done twice, does not take {} to itself; list what it is exchanged with",
+            text.names[i]
+        );
+        return Err(Wrong { offset: None, message });
+    }
+    check(text, &reflection)?;
+    Ok(reflection)
+}
+
+/// Parts between commas that are not inside brackets.
+fn split(text: &str) -> Vec<&str> {
+    let (mut depth, mut start, mut parts) = (0_i64, 0, Vec::new());
+    for (i, c) in text.char_indices() {
+        match c {
+            '[' | '(' => depth += 1,
+            ']' | ')' => depth -= 1,
+            ',' if depth == 0 => {
+                parts.push(&text[start..i]);
+                start = i + 1;
+            }
+            _ => {}
+        }
+    }
+    parts.push(&text[start..]);
+    parts
+}
+
+fn symbol(node: &Node) -> Option<(&str, &[Node])> {
+    match node {
+        Node::Name(name, _) => Some((name, &[])),
+        Node::Element(name, indices, _) => Some((name, indices)),
+        _ => None,
+    }
+}
+
+/// The indices of an unknown's name, if it belongs to the array.
+fn element(name: &str, array: &str) -> Option<Vec<i64>> {
+    let rest = name.strip_prefix(array)?;
+    if rest.is_empty() {
+        return Some(Vec::new());
+    }
+    let inner = rest.strip_prefix('[')?.strip_suffix(']')?;
+    inner.split(", ").map(|index| index.parse().ok()).collect()
+}
+
+fn unknown(text: &Text, name: &str) -> String {
+    let names: Vec<&str> = text.names.iter().map(String::as_str).collect();
+    match suggest(name, names.iter().copied()) {
+        Some(meant) => format!("{name} is not an unknown; did you mean {meant:?}?"),
+        None => format!("{name} is not an unknown; unknowns are {}", shorten(&names)),
+    }
+}
+
+/// The equations at the image of a point must be, up to signs, the image of the equations at the point.
+fn check(text: &Text, reflection: &Reflection) -> Result<(), Wrong> {
+    let (n, m) = (text.names.len(), text.parameters.len());
+    // Numbers in (0.2, 0.8) without pattern.
+    let wave = |k: usize| 0.5 + 0.3 * (1.0 + 2.4 * k as f64 + 0.7 * (k as f64).sqrt()).sin();
+    let numbers = |seed: usize, count: usize| -> Vec<f64> { (0..count).map(|i| wave(seed + 3 * i)).collect() };
+    let (u, v, p) = (numbers(0, n), numbers(1000, n), numbers(5000, m));
+    let (mut image_u, mut image_v) = (vec![0.0; n], vec![0.0; n]);
+    reflection.apply(&u, &mut image_u);
+    reflection.apply(&v, &mut image_v);
+    let (mut g, mut image) = (vec![0.0; n], vec![0.0; n]);
+    text.residual.evaluate(&u, &v, &p, &mut g);
+    text.residual.evaluate(&image_u, &image_v, &p, &mut image);
+    let scale = g.iter().filter(|g| g.is_finite()).fold(0.0_f64, |scale, g| scale.max(g.abs()));
+    for i in 0..n {
+        let expected = g[reflection.source[i]];
+        // Where the formulas have no value there, the author is trusted.
+        if (image[i].abs() - expected.abs()).abs() > TOLERANCE * scale {
+            let message = format!("the symmetry does not hold: the equation of {} changes", text.names[i]);
+            return Err(Wrong { offset: None, message });
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,192 @@
+//! What is stored of a special point: values, arrays, errors.
+
+use super::super::study::Prepared;
+use crate::bifurcation::{BranchPoint, Equilibria, Fold, Hopf, HopfNormalForm, Mark, Sample, Spectra, Tangent, scales};
+use crate::branch::{Array, SpecialPoint};
+use crate::continuation::{Border, Counts, Point, correct};
+use crate::linalg::{c64, growth};
+use crate::problem::{At, Problem};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// Value of observable i.
+pub fn observe(system: &Equilibria, point: &Point, i: usize) -> f64 {
+    let rest = vec![0.0; point.x.len()];
+    let p = system.parameters(point.lambda);
+    system.problem.observe(i, At { u: &point.x, v: &rest, p: &p })
+}
+
+/// Fills in what is known of a special point; the mode only where it is drawn or belongs to a Hopf point.
+pub fn describe(
+    prepared: &Prepared,
+    system: &Equilibria,
+    sample: &Sample,
+    modes: Option<&Spectra>,
+    special: &mut SpecialPoint,
+) {
+    let p = prepared.problem.resolve(&system.parameters(sample.point.lambda));
+    let names = prepared.problem.parameters().iter();
+    special.parameters = names.zip(&p).map(|(q, &x)| (q.name.to_owned(), x)).collect();
+    special.values = measure(prepared, system, &sample.point, known(sample));
+    let arrays = &mut special.arrays;
+    let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
+    arrays.insert("state".to_owned(), vector(sample.point.x.clone()));
+    arrays.insert("parameters".to_owned(), vector(p));
+    arrays.insert("tangent".to_owned(), vector(sample.point.tangent.clone()));
+    let mode = match &sample.mark {
+        Some(Mark::Hopf(found)) => {
+            special.values.extend(of_hopf(&found.0, &found.1));
+            arrays.insert("w_re".to_owned(), vector(found.0.w.iter().map(|z| z.re).collect()));
+            arrays.insert("w_im".to_owned(), vector(found.0.w.iter().map(|z| z.im).collect()));
+            Some(found.0.q.clone())
+        }
+        _ => modes.and_then(|tool| tool.mode(&sample.point)),
+    };
+    match &sample.mark {
+        Some(Mark::Fold(Some(fold))) => {
+            special.values.extend(of_fold(fold));
+            arrays.insert("kernel".to_owned(), vector(fold.q.clone()));
+        }
+        Some(Mark::Branch(found)) => {
+            special.values.extend(of_branch_point(found));
+            arrays.insert("kernel".to_owned(), vector(found.form.q.clone()));
+            arrays.insert("free".to_owned(), vector(vec![system.coordinate.index as f64]));
+            arrays.insert("other_tangent".to_owned(), vector([&found.across.u[..], &[found.across.p]].concat()));
+        }
+        _ => {}
+    }
+    if let Some(q) = mode {
+        arrays.insert("q_re".to_owned(), vector(q.iter().map(|z| z.re).collect()));
+        arrays.insert("q_im".to_owned(), vector(q.iter().map(|z| z.im).collect()));
+    }
+}
+
+/// The leading eigenvalue, or that of two pairs that meet, which rounding splits.
+fn known(sample: &Sample) -> Option<c64> {
+    match sample.mark {
+        Some(Mark::Exceptional(mean)) if mean.im > 0.0 => Some(c64::new(growth(mean), mean.im)),
+        _ => sample.values.first().copied(),
+    }
+}
+
+/// Observables, and growth and frequency of the leading eigenvalue.
+fn measure(prepared: &Prepared, system: &Equilibria, point: &Point, leading: Option<c64>) -> BTreeMap<String, f64> {
+    let list = system.problem.observables();
+    let mut values: BTreeMap<String, f64> =
+        prepared.observables.iter().map(|&i| (list[i].name.to_owned(), observe(system, point, i))).collect();
+    if let Some(sigma) = leading {
+        values.insert("growth".to_owned(), sigma.re);
+        values.insert("omega".to_owned(), sigma.im.abs());
+        values.insert("frequency".to_owned(), sigma.im.abs() / (2.0 * PI));
+    }
+    values
+}
+
+/// Finite numbers with their names.
+fn named<const N: usize>(list: [(&str, f64); N]) -> BTreeMap<String, f64> {
+    list.into_iter().filter(|(_, value)| value.is_finite()).map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+fn of_fold(fold: &Fold) -> BTreeMap<String, f64> {
+    named([("lp_a", fold.a), ("lp_b", fold.b)])
+}
+
+fn of_branch_point(point: &BranchPoint) -> BTreeMap<String, f64> {
+    let form = &point.form;
+    named([("bp_b", form.b), if form.pitchfork() { ("bp_d", form.d) } else { ("bp_c", form.c) }])
+}
+
+fn of_hopf(hopf: &Hopf, form: &HopfNormalForm) -> BTreeMap<String, f64> {
+    named([
+        ("growth", 0.0),
+        ("omega", hopf.omega),
+        ("frequency", hopf.omega / (2.0 * PI)),
+        ("lyapunov", form.l1),
+        ("dsigma_re", hopf.slope.re),
+        ("dsigma_im", hopf.slope.im),
+    ])
+}
+
+/// Errors: the same point on the refined discretisation; the difference is taken for the error of the present one.
+pub fn estimate(
+    prepared: &Prepared,
+    system: &Equilibria,
+    sample: &Sample,
+    neighbours: (Option<&Sample>, Option<&Sample>),
+    spectra: Option<&Spectra>,
+    point: &mut SpecialPoint,
+) {
+    let Some(refined) = prepared.problem.refined() else { return };
+    let fine = Equilibria { problem: refined.problem.clone(), ..system.clone() };
+    let settle = |point: &Point| -> Option<Point> {
+        let u = (refined.prolong)(&point.x);
+        let border = Border { row: vec![0.0; u.len()], lambda: 1.0 };
+        correct(&fine, (u, point.lambda), &border, &mut Counts::default()).ok().map(|c| c.point)
+    };
+    let coordinate = system.coordinate;
+    let (free, values) = match &sample.mark {
+        Some(Mark::Hopf(found)) => {
+            let hopf = &found.0;
+            let part = |f: fn(&c64) -> f64| (refined.prolong)(&hopf.q.iter().map(f).collect::<Vec<_>>());
+            let q: Vec<c64> = part(|z| z.re).iter().zip(part(|z| z.im)).map(|(&re, im)| c64::new(re, im)).collect();
+            let start = ((refined.prolong)(&hopf.u), hopf.p.clone());
+            let problem = &*refined.problem;
+            let located = Hopf::locate(problem, (&start.0, &start.1), system.coordinate.index, hopf.omega, &q);
+            let Ok(located) = located else { return };
+            let Ok(form) = HopfNormalForm::new(problem, &located) else { return };
+            (Some(located.p[coordinate.index]), of_hopf(&located, &form))
+        }
+        Some(Mark::Exceptional(mean)) => {
+            let (Some(a), Some(b), Some(tool)) = (neighbours.0, neighbours.1, spectra) else { return };
+            let Some((lambda, mean)) = tool.exceptional_on(&fine, (a, sample, b), settle, *mean) else { return };
+            let met = (mean.im > 0.0).then(|| measure(prepared, system, &sample.point, Some(mean)));
+            (Some(coordinate.value(lambda)), met.unwrap_or_default())
+        }
+        Some(Mark::Fold(Some(fold))) => {
+            let start = (&(refined.prolong)(&fold.u)[..], &fold.p[..]);
+            let Ok(located) = Fold::locate(&*refined.problem, start, coordinate.index, &(refined.prolong)(&fold.q))
+            else {
+                return;
+            };
+            (Some(located.p[coordinate.index]), of_fold(&located))
+        }
+        Some(Mark::Branch(found)) => {
+            let start = (&(refined.prolong)(&found.u)[..], &found.p[..]);
+            let along = Tangent { u: (refined.prolong)(&found.along.u), p: found.along.p };
+            let place = (coordinate.index, scales(&fine, sample.point.lambda));
+            let Ok(located) = BranchPoint::locate(&*refined.problem, start, place, &along) else { return };
+            (Some(located.p[coordinate.index]), of_branch_point(&located))
+        }
+        _ => {
+            let Some(settled) = settle(&sample.point) else { return };
+            let leading = spectra.and_then(|tool| tool.leading(&fine, &settled));
+            (None, measure(prepared, &fine, &settled, leading))
+        }
+    };
+    // Where refinement moves a number by less than rounding does, rounding is its error.
+    let rounding = match &sample.mark {
+        Some(Mark::Hopf(found)) => found.0.rounding,
+        Some(Mark::Fold(Some(fold))) => (fold.rounding, 0.0),
+        Some(Mark::Branch(found)) => (found.rounding, 0.0),
+        _ => (0.0, 0.0),
+    };
+    if let Some(free) = free {
+        let here = coordinate.value(sample.point.lambda);
+        point.errors.insert(prepared.free_name.clone(), error(here, free).max(rounding.0));
+    }
+    for (name, &value) in &point.values {
+        if let Some(&fine) = values.get(name).filter(|fine| **fine != 0.0 || value != 0.0) {
+            let floor = match name.as_str() {
+                "omega" => rounding.1,
+                "frequency" => rounding.1 / (2.0 * PI),
+                _ => 0.0,
+            };
+            point.errors.insert(name.clone(), error(value, fine).max(floor));
+        }
+    }
+}
+
+/// The difference, but not less than rounding.
+pub fn error(value: f64, fine: f64) -> f64 {
+    (value - fine).abs().max(4.0 * f64::EPSILON * value.abs())
+}
