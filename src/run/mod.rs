@@ -14,6 +14,7 @@ mod import;
 mod map;
 mod outcome;
 mod plan;
+mod recorded;
 mod resume;
 mod start;
 mod stored_cycle;
@@ -40,7 +41,7 @@ use files::Folder;
 use outcome::{Outcome, Status};
 use resume::Keeper;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use study::{Prepared, Study};
 use thiserror::Error;
@@ -136,12 +137,13 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
     if !options.resume {
         folder.clear(ready.tasks.iter().map(|(task, _)| task.name.as_str()))?;
     }
+    let home = scene.path.parent().unwrap_or(Path::new(""));
     let mut outcomes: Vec<Outcome> = Vec::new();
     for (task, prepared) in &ready.tasks {
         watch.task(&task.name);
         let outcome = match keeper.finished(&task.name) {
             Some(outcome) => outcome,
-            None => perform(task, prepared, &outcomes, &keeper, &watch),
+            None => perform((task, home), prepared, &outcomes, &keeper, &watch),
         };
         if outcome.status == Status::Done {
             keeper.finish(&task.name, &outcome);
@@ -168,7 +170,14 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
     Ok(summary)
 }
 
-fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper, watch: &Watch) -> Outcome {
+/// `home` is the scene's folder, in which it may name files.
+fn perform(
+    (task, home): (&Task, &Path),
+    prepared: &Prepared,
+    before: &[Outcome],
+    keeper: &Keeper,
+    watch: &Watch,
+) -> Outcome {
     let points = || before.iter().flat_map(|outcome| &outcome.branch.points);
     let source = |label: &str| {
         points().find(|point| point.label == label).ok_or_else(|| {
@@ -185,6 +194,13 @@ fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper
             Ok(from) => equilibria::run(prepared, &task.name, equilibria, from, watch),
             Err(reason) => Outcome::failed(equilibria::empty(&task.name, equilibria), reason),
         },
+        TaskKind::Cycles(cycles) if crate::scene::is_file(&cycles.from) => {
+            let mesh = (cycles.intervals.unwrap_or(cycles::INTERVALS), cycles.degree);
+            match recorded::cycle(&home.join(&cycles.from), &cycles.from, prepared, mesh) {
+                Ok(from) => cycles::run(prepared, &task.name, cycles, &from, keeper, watch),
+                Err(error) => Outcome::failed(cycles::empty(prepared, &task.name, cycles), error.to_string()),
+            }
+        }
         TaskKind::Cycles(cycles) => match source(&cycles.from) {
             Ok(from) => cycles::run(prepared, &task.name, cycles, from, keeper, watch),
             Err(reason) => Outcome::failed(cycles::empty(prepared, &task.name, cycles), reason),

@@ -5,7 +5,7 @@ use crate::bifurcation::Coordinate;
 use crate::branch::SpecialPoint;
 use crate::linalg::c64;
 use crate::problem::Problem;
-use crate::scene::{Along, Label, Place, Range, Scene, SceneError, TaskKind};
+use crate::scene::{self, Along, Label, Place, Range, Scene, SceneError, TaskKind};
 use thiserror::Error;
 
 /// Cycles and curves start at a Hopf point: of a branch of equilibria, at a wanted value or end of a Hopf curve, or
@@ -108,13 +108,13 @@ pub fn check_equilibrium(scene: &Scene, from: &str, at: &Place) -> Result<(), Sc
     }
 }
 
-/// Whether a start is where cycles of another task double their period or branch.
+/// Whether a start is a cycle: a point of another task of cycles, or samples in a file.
 pub fn is_cycle(scene: &Scene, from: &str) -> bool {
     let of_cycles = |label: Label| {
         let task = scene.tasks.iter().find(|task| task.name == label.task);
-        ["PD", "BPC"].contains(&label.kind) && task.is_some_and(|task| matches!(task.kind, TaskKind::Cycles(_)))
+        task.is_some_and(|task| matches!(task.kind, TaskKind::Cycles(_)))
     };
-    Label::parse(from).is_some_and(of_cycles)
+    scene::is_file(from) || Label::parse(from).is_some_and(of_cycles)
 }
 
 /// Curves of bifurcations of cycles start at such a point of a branch of cycles.
