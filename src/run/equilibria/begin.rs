@@ -121,8 +121,8 @@ fn system(prepared: &Prepared, p: Vec<f64>, coordinate: Coordinate) -> Equilibri
     Equilibria { problem: prepared.problem.clone(), p, coordinate, scale_state: 1.0 }
 }
 
-/// The root mean square of a state, or one where it is zero.
+/// The root mean square of a state, or one where it is zero up to rounding: a branch point at zero is stored as 1e-18.
 fn scale(u: &[f64]) -> f64 {
     let rms = (u.iter().map(|u| u * u).sum::<f64>() / u.len() as f64).sqrt();
-    if rms > 0.0 { rms } else { 1.0 }
+    if rms > f64::EPSILON { rms } else { 1.0 }
 }
