@@ -290,7 +290,11 @@ fn list(input: &mut Input<'_>, close: char) -> Result<(Vec<Node>, usize), Failur
             None => {
                 let what = if input.input.starts_with('=') {
                     "an operator or \")\", since only sum(BODY, i = FROM..TO) takes an index"
-                } else if close == ')' { "an operator or \")\"" } else { "an operator, \",\" or \"]\"" };
+                } else if close == ')' {
+                    "an operator or \")\""
+                } else {
+                    "an operator, \",\" or \"]\""
+                };
                 return Err(Failure::at(input, Reason::Expected(what)));
             }
         }
