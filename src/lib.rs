@@ -11,7 +11,7 @@
 //! | module | what it holds | look at first |
 //! |---|---|---|
 //! | [`problem`] | what is followed: [`problem::Problem`], and [`problem::Formula`] from which the rest is derived by dual numbers | `problem::Formula` |
-//! | [`linalg`] | LU, bordered systems, eigenvalues of pencils | `linalg::pencil` |
+//! | [`linalg`] | LU, bordered systems, eigenvalues of pencils and of products | `linalg::pencil` |
 //! | [`continuation`] | predictor, corrector, step control, points between points; surfaces by charts | `continuation::Walk` |
 //! | [`bifurcation`] | equilibria as curves and over grids, eigenvalue branches, Hopf points and folds, their curves and surfaces, normal forms, calibration | `bifurcation::Hopf` |
 //! | [`orbit`] | collocation, condensation, mesh, multipliers, start from a Hopf point | `orbit::Collocation` |

@@ -274,8 +274,8 @@ fn an_algebraic_unknown_has_multiplier_zero_and_changes_nothing_else() {
     let found = multipliers(&solved);
     assert!(found.trivial_error < TIGHT);
     close("multiplier", found.values[0].re, DIVERGENCE.exp(), 1e-8);
-    // Zero but for the rounding of eigenvalues next to 1.
-    assert!(found.values[1].norm() < 1e-13, "{}", found.values[1]);
+    // Each of the 40 intervals maps it to zero but for rounding, which leaves less than any number.
+    assert!(found.values[1] == c64::new(0.0, 0.0) && found.logs[1] < -1000.0, "{}", found.logs[1]);
     // The constraint holds at mesh points, which are Radau points.
     for j in 0..=orbit.intervals() {
         let u = orbit.node(j * orbit.degree);
@@ -290,7 +290,8 @@ fn a_stiff_mode_has_multiplier_zero_at_radau_points_and_not_at_gauss_points() {
     close("T", orbit(&radau).period(), PERIOD, TIGHT);
     let found = multipliers(&radau);
     close("multiplier", found.values[0].re, DIVERGENCE.exp(), 1e-8);
-    assert!(found.values[1].norm() < 1e-13, "{}", found.values[1]);
+    // Each interval maps it to a few parts of 1/(rate h), rate h = 1.7e5.
+    assert!(found.logs[1] < 40.0 * 1e-4_f64.ln(), "{}", found.logs[1]);
     // Gauss: the mode's polynomial quotient tends to (-1)^m instead of 0; |R| = 1 - 2 m (m + 1)/(rate h) each time.
     let gauss = van_der_pol(Form::Follower(rate), false, 1.0, FINE);
     let (intervals, degree) = (40.0, 6.0);

@@ -7,21 +7,22 @@ use faer::Mat;
 use hopfline::continuation::{
     Border, Counts, Failure, Point, Step, StepControl, Stop, System, Walk, at_fraction, at_lambda, correct,
 };
-use hopfline::linalg::{Bordered, Singular};
+use hopfline::linalg::{BorderedMatrix, Matrix, Singular};
 
 /// One equation `f(x, lambda) = 0` with its derivatives (f, f_x, f_lambda).
 struct Curve<F>(F);
 
 impl<F: Fn(f64, f64) -> [f64; 3]> System for Curve<F> {
-    type Factors = Bordered<f64>;
+    type Factors = BorderedMatrix;
 
     fn residual(&self, x: &[f64], lambda: f64, r: &mut [f64]) {
         r[0] = (self.0)(x[0], lambda)[0];
     }
 
-    fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<Bordered<f64>, Singular> {
+    fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<BorderedMatrix, Singular> {
         let [_, by_x, by_lambda] = (self.0)(x[0], lambda);
-        Bordered::new(Mat::from_fn(1, 1, |_, _| by_x).as_ref(), &[by_lambda], &border.row, border.lambda)
+        let by_x = Matrix::Dense(Mat::from_fn(1, 1, |_, _| by_x));
+        BorderedMatrix::new(&by_x, &[&[by_lambda]], &[&border.row], &[&[border.lambda]])
     }
 
     fn dual(&self, t: &[f64]) -> Vec<f64> {
@@ -162,7 +163,7 @@ fn lengths(flat: f64) -> Vec<(f64, f64)> {
     let first = start(&system, 0.1, flat * 0.99_f64.sqrt());
     let (steps, stop) = walk(&mut Walk::new(&mut system, first, control(0.02, 0.5), (-2.0, 2.0)), 2000);
     assert_eq!(stop, Stop::Closed);
-    let along = |s: &Step<Bordered<f64>>| {
+    let along = |s: &Step<BorderedMatrix>| {
         let (a, b) = (&s.from, &s.to);
         let turn = (a.tangent[0] * b.tangent[0] + a.tangent_lambda * b.tangent_lambda).clamp(-1.0, 1.0).acos();
         ((b.x[0] - a.x[0]).hypot(b.lambda - a.lambda), turn)

@@ -24,6 +24,10 @@ pub enum BranchKind {
     Cycles,
     HopfCurve,
     FoldCurve,
+    /// Folds, period doublings and torus bifurcations of cycles.
+    LpcCurve,
+    PdCurve,
+    NsCurve,
     Calibration,
     Map,
     HopfSurface,
@@ -57,6 +61,8 @@ pub enum Kind {
     BP,
     /// Exceptional point: two eigenvalues coalesce, a pair is born or dies on the real axis.
     XP,
+    /// Krein collision, 1:1 resonance: two pairs meet on the imaginary axis, where undamped motions are, and leave it.
+    KC,
     /// Generalised Hopf (Bautin) point: the first Lyapunov coefficient vanishes.
     GH,
     /// Bogdanov-Takens point: the frequency vanishes.
@@ -67,6 +73,31 @@ pub enum Kind {
     HH,
     /// Cusp: two folds meet.
     CP,
+    /// Fold of cycles.
+    LPC,
+    /// Period doubling.
+    PD,
+    /// Torus (Neimark-Sacker) bifurcation.
+    NS,
+    /// Branch point of cycles: the breaking of a symmetry included.
+    BPC,
+    /// Cusp of cycles.
+    CPC,
+    /// Generalised period doubling: its cubic coefficient vanishes.
+    GPD,
+    /// Chenciner point: the torus bifurcation's cubic coefficient vanishes.
+    CH,
+    /// Strong resonances: critical multipliers are the first, second, third or fourth roots of unity.
+    R1,
+    R2,
+    R3,
+    R4,
+    /// Fold-flip: multipliers +1 and -1.
+    LPPD,
+    /// Fold and torus at once.
+    LPNS,
+    /// Period doubling and torus at once.
+    PDNS,
     /// User value.
     UZ,
     /// End of the branch.

@@ -64,7 +64,7 @@ fn errors_name_the_column_and_what_was_expected() {
         ("1 + sine(2)", "column 5: unknown function \"sine\"; did you mean \"sin\"?"),
         (
             "L(2)",
-            "column 1: unknown function \"L\"; known are sin, cos, tan, exp, log, log10, sqrt, abs, sinh, cosh, tanh",
+            "column 1: unknown function \"L\"; known are sin, cos, tan, asin, acos, atan, exp, log, log10, sqrt, abs, sinh, cosh, tanh, asinh, acosh, atanh",
         ),
         ("pi(2)", "column 3: expected an operator or the end, found \"(\""),
         ("1e999", "column 1: \"1e999\" is too large for a double-precision number (about 1.8e308)"),
@@ -147,36 +147,76 @@ fn extreme_powers_and_tanh_stay_finite() {
 }
 
 fn nodes() -> impl Strategy<Value = Node> {
+    let here = Offset::default();
+    let name = || {
+        "[a-z_][a-z0-9_]{0,5}"
+            .prop_filter("reserved", |name| Function::named(name).is_none() && !RESERVED.contains(&name.as_str()))
+    };
     let leaf = prop_oneof![
         (0.0..1e300f64).prop_map(Node::Number),
         (0.0..10f64).prop_map(Node::Number),
         (0u32..1000).prop_map(|whole| Node::Number(whole.into())),
         Just(Node::Number(f64::MIN_POSITIVE)),
         Just(Node::Pi),
-        "[a-z_][a-z0-9_]{0,5}".prop_filter_map("reserved", |name| {
-            (Function::named(&name).is_none() && name != "pi").then_some(Node::Name(name))
-        }),
+        name().prop_map(move |name| Node::Name(name, here)),
     ];
-    leaf.prop_recursive(6, 40, 2, |inner| {
+    leaf.prop_recursive(6, 40, 3, move |inner| {
+        let several = proptest::collection::vec(inner.clone(), 1..3);
         prop_oneof![
             inner.clone().prop_map(|node| Node::Negate(Box::new(node))),
-            (0..Function::ALL.len(), inner.clone())
-                .prop_map(|(i, node)| Node::Call(Function::ALL[i].1, Box::new(node))),
-            (0..5usize, inner.clone(), inner).prop_map(|(i, left, right)| {
+            (0..Function::ALL.len(), inner.clone()).prop_map(move |(i, node)| Node::Call(
+                Function::ALL[i].1,
+                Box::new(node),
+                here
+            )),
+            (0..5usize, inner.clone(), inner.clone()).prop_map(move |(i, left, right)| {
                 let operators =
                     [Operator::Add, Operator::Subtract, Operator::Multiply, Operator::Divide, Operator::Power];
-                Node::Binary(operators[i], Box::new(left), Box::new(right))
+                Node::Binary(operators[i], Box::new(left), Box::new(right), here)
+            }),
+            (name(), several.clone()).prop_map(move |(name, parts)| Node::Element(name, parts, here)),
+            (name(), several.clone())
+                .prop_map(move |(name, parts)| Node::Rate(Box::new(Node::Element(name, parts, here)))),
+            (name(), several).prop_map(move |(name, parts)| Node::Apply(name, parts, here)),
+            (inner.clone(), name(), inner.clone(), inner).prop_map(move |(body, name, from, to)| {
+                Node::Sum(Box::new(body), Box::new(Indices { name, from, to, at: here }))
             }),
         ]
     })
 }
 
+#[test]
+fn ties_hold_no_arrays_and_no_rates() {
+    for (text, expected) in [
+        ("1 + u[2]", "column 5: an element of an array has no place here"),
+        ("2*x'", "column 3: a rate of change has no place here"),
+        ("sum(x, i = 1..3)", "column 8: a sum over an index has no place here"),
+        ("1 + f(2, 3)", "column 5: unknown function \"f\""),
+        ("sin(1, 2)", "column 10: expected one argument of the function before"),
+    ] {
+        assert!(complaint(text).starts_with(expected), "{text}: {}", complaint(text));
+    }
+}
+
+#[test]
+fn offsets_point_into_the_text() {
+    let all = statements("# first\nx' = a\n\ny' = (b +\n  c)  # more\n  for i = 1..N").expect("valid");
+    assert_eq!(all.len(), 2);
+    assert_eq!((all[0].start, all[1].start), (8, 16));
+    assert_eq!(all[1].right.offset(), Some(22));
+    assert_eq!(all[1].ranges.len(), 1);
+    let wrong = statements("x' = a\ny' = b c").expect_err("must be refused");
+    assert_eq!(
+        (wrong.offset, wrong.fault.to_string().as_str()),
+        (14, "expected an operator, \"for\" or the end of the line, found \"c\"")
+    );
+}
+
 proptest! {
     #[test]
-    fn printing_and_reading_back_gives_the_same_tree(root in nodes()) {
-        let expression = Expression { root };
-        let text = expression.to_string();
-        prop_assert_eq!(Expression::parse(&text), Ok(expression), "{}", text);
+    fn printing_and_reading_back_gives_the_same_tree(node in nodes()) {
+        let text = node.to_string();
+        prop_assert_eq!(Node::parse(&text), Ok(node), "{}", text);
     }
 
     #[test]

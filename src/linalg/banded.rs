@@ -173,8 +173,7 @@ impl BandedLu {
 
     /// `A^-1 B` in place; B has n rows of `columns` entries each, row by row.
     pub fn solve_many(&self, b: &mut [f64], columns: usize) {
-        // Compiled for each kind of vector unit, and chosen when the program runs.
-        pulp::Arch::new().dispatch(|| self.substitute(b, columns));
+        pulp::Arch::new().dispatch(Substitution { lu: self, b, columns });
     }
 
     #[inline(always)]
@@ -243,6 +242,22 @@ impl BandedLu {
             b[k] -= super::dot(&multipliers[..below.len()], below);
             b.swap(k, self.swaps[k]);
         }
+    }
+}
+
+/// A call of [`BandedLu::substitute`], compiled for each kind of vector unit and chosen when the program runs.
+struct Substitution<'a> {
+    lu: &'a BandedLu,
+    b: &'a mut [f64],
+    columns: usize,
+}
+
+impl pulp::NullaryFnOnce for Substitution<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.lu.substitute(self.b, self.columns);
     }
 }
 

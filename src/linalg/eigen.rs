@@ -14,8 +14,16 @@ pub struct Eigenpair {
     pub vector: Vec<c64>,
 }
 
+/// The real part of an eigenvalue, zero where rounding hides its sign: undamped motions have all theirs on the axis.
+pub fn growth(sigma: c64) -> f64 {
+    if sigma.re.abs() <= ON_AXIS * sigma.norm() { 0.0 } else { sigma.re }
+}
+
+/// In parts of the eigenvalue; a few digits above what rounding leaves of real parts.
+const ON_AXIS: f64 = 1e-10;
+
 /// All finite eigenvalues of `A + sigma M`, rightmost first; of a conjugate pair, the one with im > 0 comes first.
-/// `shift` is real, positive, and of the size of the eigenvalues of interest. Vectors belong to the first `vectors`.
+/// Of those with one real part, which rounding would shuffle, the slowest come first. `shift` is real, positive, and of the size of the eigenvalues of interest. Vectors belong to the first `vectors`.
 pub fn pencil(a: MatRef<'_, f64>, m: MatRef<'_, f64>, shift: f64, vectors: usize) -> Result<Vec<Eigenpair>, Singular> {
     let n = a.nrows();
     let shifted = Mat::from_fn(n, n, |i, j| a[(i, j)] + shift * m[(i, j)]);
@@ -38,9 +46,12 @@ pub fn pencil(a: MatRef<'_, f64>, m: MatRef<'_, f64>, shift: f64, vectors: usize
         .filter(|(mu, _)| mu.norm() > floor)
         .map(|(mu, j)| (c64::new(shift, 0.0) - mu.inv(), j))
         .collect();
-    found.sort_by(|(x, _), (y, _)| {
-        y.re.total_cmp(&x.re).then(x.im.abs().total_cmp(&y.im.abs())).then(y.im.total_cmp(&x.im))
-    });
+    found.sort_by(|(x, _), (y, _)| y.re.total_cmp(&x.re));
+    let slower =
+        |(x, _): &(c64, usize), (y, _): &(c64, usize)| x.im.abs().total_cmp(&y.im.abs()).then(y.im.total_cmp(&x.im));
+    found
+        .chunk_by_mut(|(x, _), (y, _)| x.re - y.re <= ON_AXIS * x.norm().max(y.norm()))
+        .for_each(|equal| equal.sort_by(slower));
     Ok(found
         .into_iter()
         .enumerate()

@@ -15,7 +15,7 @@ mod sparse;
 
 pub use banded::{Banded, BandedLu};
 pub use bordered::{BorderedMatrix, BorderedPencil};
-pub use eigen::{Eigenpair, pencil};
+pub use eigen::{Eigenpair, growth, pencil};
 pub use factors::{Factors, PencilFactors};
 pub use krylov::{Leading, leading, nearest};
 pub use lu::{Bordered, Lu, Singular};

@@ -1,14 +1,22 @@
 //! The models that scenes can name.
 
+mod column;
+mod filament;
 mod flagellum;
 mod lorenz84;
 mod options;
+mod panel;
+mod rod;
 #[cfg(feature = "program")]
 pub mod text;
 
-pub use flagellum::{Law, Load, TwoDoublet};
+pub use column::{Column, Pipe};
+pub use filament::{Base, Filament};
+pub use flagellum::{Law, TwoDoublet};
 pub use lorenz84::Lorenz84;
 pub use options::{Choice, ModelError, Options};
+pub use panel::Panel;
+pub use rod::Load;
 
 use crate::problem::Problem;
 use std::sync::Arc;
@@ -38,6 +46,34 @@ pub static REGISTRY: &[Model] = &[
         meaning: "extended Lorenz-84 model of atmospheric circulation: four equations with every bifurcation of codimension two",
         options: &[],
         build: Lorenz84::build,
+    },
+    Model {
+        name: "filament",
+        meaning: "an elastic filament in viscous fluid under compressive follower loads, without inertia",
+        options: &[
+            ("load", "\"uniform\" | \"distal\"", "D(s) = 1, or 1 - exp(-s/s0)"),
+            ("base", "\"clamped\" | \"pinned\"", "psi(0) = 0, or a pin with a spring"),
+            ("functions", "16, from 2 to 400", "basis functions"),
+        ],
+        build: Filament::build,
+    },
+    Model {
+        name: "column",
+        meaning: "a cantilever with inertia under dead or follower loads (Euler, Beck, Leipholz, Hauger, Pflueger)",
+        options: &[("functions", "12, from 2 to 400", "basis functions")],
+        build: Column::build,
+    },
+    Model {
+        name: "pipe",
+        meaning: "a cantilevered pipe that discharges fluid (Gregory and Paidoussis 1966)",
+        options: &[("functions", "14, from 2 to 400", "basis functions")],
+        build: Pipe::build,
+    },
+    Model {
+        name: "panel",
+        meaning: "a simply supported panel in supersonic flow, by piston theory (Dowell 1966)",
+        options: &[("functions", "12, from 2 to 400", "basis functions")],
+        build: Panel::build,
     },
 ];
 

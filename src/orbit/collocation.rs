@@ -12,7 +12,7 @@ use super::{FloquetError, Multipliers, Orbit, Points, Scheme, Transitions, adapt
 use crate::continuation::{Border, Factored, Point, System};
 use crate::linalg::{Lu, Matrix, Singular};
 use crate::problem::{At, Direction, Problem, Reflection};
-use faer::Mat;
+use faer::{Mat, MatRef};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ pub struct Collocation {
     /// The orbit that the phase condition refers to.
     reference: Orbit,
     /// `int <., u_ref'> dtau` as a row over all nodes but the last.
-    phase: Vec<f64>,
+    pub(super) phase: Vec<f64>,
     /// Weight of each node in the metric, the last node's carried by the first.
     weights: Vec<f64>,
 }
@@ -153,7 +153,7 @@ impl Collocation {
     }
 
     /// u and u' (per P) at Gauss point i of interval j.
-    fn state(&self, orbit: &Orbit, j: usize, i: usize) -> (Vec<f64>, Vec<f64>) {
+    pub(super) fn state(&self, orbit: &Orbit, j: usize, i: usize) -> (Vec<f64>, Vec<f64>) {
         let (n, m) = (orbit.dim, self.scheme.degree);
         let rate = 1.0 / ((self.mesh[j + 1] - self.mesh[j]) * orbit.part);
         let (mut u, mut v) = (vec![0.0; n], vec![0.0; n]);
@@ -165,6 +165,18 @@ impl Collocation {
             }
         }
         (u, v)
+    }
+
+    /// `G(u, u', p)` at all collocation points of an orbit, which need not close.
+    pub(super) fn equations(&self, orbit: &Orbit, p: &[f64], r: &mut [f64]) {
+        let n = self.n();
+        let rows = r.par_chunks_mut(self.scheme.degree * n).with_min_len(16 * self.grain());
+        rows.enumerate().for_each(|(j, rows)| {
+            for (i, row) in rows.chunks_mut(n).enumerate() {
+                let (u, v) = self.state(orbit, j, i);
+                self.frame.problem.residual(At { u: &u, v: &v, p }, row);
+            }
+        });
     }
 
     /// The equations of interval j, linearised, with its inner nodes eliminated.
@@ -190,6 +202,13 @@ impl Collocation {
         let slope: Vec<Vec<f64>> = self.scheme.slope.iter().map(|row| row.iter().map(|d| d * rate).collect()).collect();
         Interval::new(blocks, (&self.scheme.value, &slope), &scalars)
     }
+
+    /// All intervals at an orbit, which need not close, linearised and condensed.
+    pub(super) fn condensed(&self, orbit: &Orbit, p: &[f64]) -> Result<Condensed, Singular> {
+        let all = (0..self.intervals()).into_par_iter().with_min_len(self.grain());
+        let intervals: Result<Vec<_>, _> = all.map(|j| self.eliminate(orbit, p, j)).collect();
+        Condensed::new(intervals?, self.n())
+    }
 }
 
 impl System for Collocation {
@@ -197,25 +216,15 @@ impl System for Collocation {
 
     fn residual(&self, x: &[f64], lambda: f64, r: &mut [f64]) {
         let (n, m) = (self.n(), self.scheme.degree);
-        let orbit = self.orbit(x);
-        let p = self.parameters(lambda);
         let (equations, phase) = r.split_at_mut(self.intervals() * m * n);
-        let rows = equations.par_chunks_mut(m * n).with_min_len(16 * self.grain());
-        rows.enumerate().for_each(|(j, rows)| {
-            for (i, row) in rows.chunks_mut(n).enumerate() {
-                let (u, v) = self.state(&orbit, j, i);
-                self.frame.problem.residual(At { u: &u, v: &v, p: &p }, row);
-            }
-        });
+        self.equations(&self.orbit(x), &self.parameters(lambda), equations);
         phase[0] = crate::linalg::dot(&self.phase, &x[..x.len() - 1]);
     }
 
     fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<OrbitFactors, Singular> {
         let orbit = self.orbit(x);
         let p = self.parameters(lambda);
-        let all = (0..self.intervals()).into_par_iter().with_min_len(self.grain());
-        let intervals: Result<Vec<_>, _> = all.map(|j| self.eliminate(&orbit, &p, j)).collect();
-        let condensed = Condensed::new(intervals?, self.n())?;
+        let condensed = self.condensed(&orbit, &p)?;
         OrbitFactors::new(condensed, &self.phase, border, &self.frame)
     }
 
@@ -291,8 +300,28 @@ impl OrbitFactors {
         multipliers(&self.transitions()?, &self.symmetry, self.parts, wanted)
     }
 
+    /// Sign of the determinant of what is left after elimination, `[C + D S, E; phase; border]`.
+    pub fn sign(&self) -> f64 {
+        self.ends.sign()
+    }
+
+    /// u(t + P) = S u(t).
+    pub fn symmetry(&self) -> &Reflection {
+        &self.symmetry
+    }
+
+    /// Floquet multipliers over the computed part of the period: all.
+    pub fn part_multipliers(&self) -> Result<Multipliers, FloquetError> {
+        multipliers(&self.transitions()?, &self.symmetry, 1, None)
+    }
+
+    /// The condensed rows `[C D E]` that couple the orbit's ends.
+    pub fn transition(&self) -> MatRef<'_, f64> {
+        self.condensed.transition()
+    }
+
     /// The intervals' transition maps along the computed part of the period.
-    pub fn transitions(&self) -> Result<Transitions, Singular> {
+    pub fn transitions(&self) -> Result<Transitions<'_>, Singular> {
         Transitions::new(&self.condensed.intervals())
     }
 }

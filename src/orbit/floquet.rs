@@ -1,10 +1,10 @@
 //! Floquet multipliers from the intervals' own transition maps, whose product is never formed.
 //!
 //! What the condensed rows of interval j say of perturbations, `C_j x_j + D_j x_{j+1} = 0`, is
-//! `x_{j+1} = A_j x_j` with `A_j = -D_j^-1 C_j`. With `u(t + P) = S u(t)` the multipliers over P are the eigenvalues nu of
-//! `S^-1 A_N .. A_2 A_1`. Where P is half the period, those over the period are `mu = nu²`: a perturbation of an orbit
-//! with `u(t + T/2) = S u(t)` keeps that symmetry where nu is near +1 (a fold) and breaks it where nu is near -1, though
-//! mu = 1 in both. A period doubling, mu = -1, would need nu = ±i, which one parameter does not bring about (Swift and
+//! `x_{j+1} = A_j x_j` with `A_j = -D_j^-1 C_j`. With `u(t + P) = S u(t)` the multipliers over P are the eigenvalues nu
+//! of `S^-1 A_N .. A_2 A_1`. Where P is half the period, those over the period are `mu = nu²`: a perturbation of an
+//! orbit with `u(t + T/2) = S u(t)` keeps that symmetry where nu is near +1 (a fold) and breaks it where nu is near -1,
+//! though mu = 1 in both. A period doubling, mu = -1, would need nu = ±i, which one parameter does not bring about (Swift and
 //! Wiesenfeld 1984, doi:10.1103/PhysRevLett.52.705).
 //!
 //! One multiplier over P is +1, the shift in time; its distance from 1 bounds from below how wrong the others are (on
@@ -71,28 +71,28 @@ impl Multipliers {
 }
 
 /// The maps `x_{j+1} = -D_j^-1 C_j x_j` of the intervals in order.
-pub struct Transitions(Vec<Transition>);
+pub struct Transitions<'a>(Vec<Transition<'a>>);
 
-struct Transition {
-    c: Mat<f64>,
+struct Transition<'a> {
+    c: MatRef<'a, f64>,
     /// None where D = -1: then C is the map.
     d: Option<Lu<f64>>,
 }
 
-impl Transitions {
+impl<'a> Transitions<'a> {
     /// From each interval's condensed rows `[C D ..]`.
-    pub fn new(intervals: &[MatRef<'_, f64>]) -> Result<Self, Singular> {
-        let one = |rows: &MatRef<'_, f64>| {
+    pub fn new(intervals: &[MatRef<'a, f64>]) -> Result<Self, Singular> {
+        let one = |rows: &MatRef<'a, f64>| {
             let n = rows.nrows();
             let (c, d) = (rows.subcols(0, n), rows.subcols(n, n));
             let negated = (0..n).all(|j| (0..n).all(|i| d[(i, j)] == if i == j { -1.0 } else { 0.0 }));
-            Ok(Transition { c: c.to_owned(), d: if negated { None } else { Some(Lu::new(d)?) } })
+            Ok(Transition { c, d: if negated { None } else { Some(Lu::new(d)?) } })
         };
         Ok(Self(intervals.par_iter().map(one).collect::<Result<_, _>>()?))
     }
 }
 
-impl Product for Transitions {
+impl Product for Transitions<'_> {
     fn dim(&self) -> usize {
         self.0.first().map_or(0, |transition| transition.c.nrows())
     }
@@ -106,7 +106,7 @@ impl Product for Transitions {
         let x = MatRef::from_column_major_slice(x, x.len(), 1);
         let rows = y.len();
         let sign = if d.is_some() { -1.0 } else { 1.0 };
-        matmul(MatMut::from_column_major_slice_mut(y, rows, 1), Accum::Replace, c.as_ref(), x, sign, Par::Seq);
+        matmul(MatMut::from_column_major_slice_mut(y, rows, 1), Accum::Replace, *c, x, sign, Par::Seq);
         if let Some(d) = d {
             d.solve(y);
         }
@@ -116,11 +116,11 @@ impl Product for Transitions {
         let Transition { c, d } = &self.0[j];
         match d {
             Some(d) => {
-                let mut a = -c;
+                let mut a = -*c;
                 d.solve_many(a.as_mut());
                 a
             }
-            None => c.clone(),
+            None => c.to_owned(),
         }
     }
 }
@@ -173,8 +173,8 @@ impl Product for Turned<'_> {
 const INSIDE: f64 = 0.9;
 
 /// Multipliers from the transition maps along the computed part of the period, of which there are `parts` (1 or 2) in
-/// the whole one: all of them, or of those largest in modulus at least `wanted` and as many more as it takes to count the
-/// unstable ones right.
+/// the whole one: all of them, or of those largest in modulus at least `wanted` and as many more as it takes to count
+/// the unstable ones right.
 pub fn multipliers(
     transitions: &dyn Product,
     symmetry: &Reflection,

@@ -1,6 +1,7 @@
 //! Periodic orbits of `G(u, u', p) = 0` by collocation at Gauss points.
 
 mod band;
+pub mod bifurcations;
 mod collocation;
 mod condensation;
 mod floquet;

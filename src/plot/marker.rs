@@ -36,21 +36,39 @@ pub fn marks(branch: &Branch) -> Vec<Mark> {
 
 /// The kind that a label begins with: "HB12" is a Hopf point.
 fn kind_of(label: &str) -> Option<Kind> {
-    match label.trim_end_matches(|c: char| c.is_ascii_digit()) {
-        "HB" => Some(Kind::HB),
-        "LP" => Some(Kind::LP),
-        "BP" => Some(Kind::BP),
-        "XP" => Some(Kind::XP),
-        "GH" => Some(Kind::GH),
-        "BT" => Some(Kind::BT),
-        "ZH" => Some(Kind::ZH),
-        "HH" => Some(Kind::HH),
-        "CP" => Some(Kind::CP),
-        "UZ" => Some(Kind::UZ),
-        "EP" => Some(Kind::EP),
-        "MX" => Some(Kind::MX),
-        _ => None,
-    }
+    const ALL: [Kind; 27] = [
+        Kind::HB,
+        Kind::LP,
+        Kind::BP,
+        Kind::XP,
+        Kind::KC,
+        Kind::GH,
+        Kind::BT,
+        Kind::ZH,
+        Kind::HH,
+        Kind::CP,
+        Kind::LPC,
+        Kind::PD,
+        Kind::NS,
+        Kind::BPC,
+        Kind::CPC,
+        Kind::GPD,
+        Kind::CH,
+        Kind::R1,
+        Kind::R2,
+        Kind::R3,
+        Kind::R4,
+        Kind::LPPD,
+        Kind::LPNS,
+        Kind::PDNS,
+        Kind::UZ,
+        Kind::EP,
+        Kind::MX,
+    ];
+    ALL.into_iter().find(|kind| {
+        let number = label.strip_prefix(&kind.to_string());
+        number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
+    })
 }
 
 /// What the legend says; the end of a branch explains itself.
@@ -60,11 +78,26 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
         Kind::LP => Some("fold (LP)"),
         Kind::BP => Some("branch point (BP)"),
         Kind::XP => Some("exceptional point (XP)"),
+        Kind::KC => Some("two pairs meet on the axis (KC)"),
         Kind::GH => Some("generalised Hopf point (GH)"),
         Kind::BT => Some("Bogdanov-Takens point (BT)"),
         Kind::ZH => Some("zero-Hopf point (ZH)"),
         Kind::HH => Some("double Hopf point (HH)"),
         Kind::CP => Some("cusp (CP)"),
+        Kind::LPC => Some("fold of cycles (LPC)"),
+        Kind::PD => Some("period doubling (PD)"),
+        Kind::NS => Some("torus bifurcation (NS)"),
+        Kind::BPC => Some("branch point of cycles (BPC)"),
+        Kind::CPC => Some("cusp of cycles (CPC)"),
+        Kind::GPD => Some("generalised period doubling (GPD)"),
+        Kind::CH => Some("Chenciner point (CH)"),
+        Kind::R1 => Some("resonance 1:1 (R1)"),
+        Kind::R2 => Some("resonance 1:2 (R2)"),
+        Kind::R3 => Some("resonance 1:3 (R3)"),
+        Kind::R4 => Some("resonance 1:4 (R4)"),
+        Kind::LPPD => Some("fold-flip (LPPD)"),
+        Kind::LPNS => Some("fold and torus (LPNS)"),
+        Kind::PDNS => Some("period doubling and torus (PDNS)"),
         Kind::UZ => Some("user value (UZ)"),
         Kind::MX => Some("no convergence (MX)"),
         Kind::EP => None,
@@ -74,12 +107,12 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
 /// Who gets a label first where there is not room for all. Ends of branches get none.
 pub fn priority(kind: Kind) -> Option<u8> {
     match kind {
-        Kind::HB => Some(0),
-        Kind::LP | Kind::BP | Kind::GH | Kind::BT | Kind::ZH | Kind::HH | Kind::CP => Some(1),
+        Kind::HB | Kind::KC => Some(0),
         Kind::MX => Some(2),
         Kind::UZ => Some(3),
         Kind::XP => Some(4),
         Kind::EP => None,
+        _ => Some(1),
     }
 }
 
@@ -96,25 +129,31 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
             canvas.disc(at, 4.6, WHITE)?;
             canvas.disc(at, 3.7, INK)
         }
-        Kind::LP => solid(canvas, &shape(&SQUARE)),
-        Kind::BP => solid(canvas, &shape(&CROSSING)),
-        Kind::UZ => solid(canvas, &shape(&TRIANGLE)),
-        Kind::GH => {
+        Kind::LP | Kind::LPC => solid(canvas, &shape(&SQUARE)),
+        Kind::BP | Kind::BPC => solid(canvas, &shape(&CROSSING)),
+        Kind::PD => solid(canvas, &shape(&HANGING)),
+        Kind::NS => {
+            canvas.disc(at, 4.6, INK)?;
+            canvas.disc(at, 3.4, WHITE)?;
+            canvas.line(&shape(&[(-2.4, 0.0), (2.4, 0.0)]), 1.1, INK)
+        }
+        Kind::BT | Kind::R1 | Kind::R2 | Kind::R3 | Kind::R4 => solid(canvas, &shape(&STANDING)),
+        Kind::GH | Kind::GPD | Kind::CH => {
             canvas.disc(at, 4.6, INK)?;
             canvas.disc(at, 3.4, WHITE)?;
             canvas.disc(at, 1.5, INK)
         }
-        Kind::BT => solid(canvas, &shape(&STANDING)),
-        Kind::ZH => {
+        Kind::ZH | Kind::LPPD | Kind::LPNS | Kind::PDNS => {
             canvas.fill(&shape(&SQUARE), WHITE)?;
             canvas.line(&shape(&SQUARE), 1.1, INK)
         }
+        Kind::UZ => solid(canvas, &shape(&TRIANGLE)),
         Kind::HH => {
             canvas.disc(at, 4.6, INK)?;
             canvas.disc(at, 3.4, WHITE)
         }
-        Kind::CP => {
-            let hanging: Vec<Point> = shape(&TRIANGLE.map(|(x, y)| (x, -y)));
+        Kind::CP | Kind::CPC => {
+            let hanging: Vec<Point> = shape(&HANGING);
             canvas.fill(&hanging, WHITE)?;
             canvas.line(&hanging, 1.1, INK)
         }
@@ -122,6 +161,11 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
             let diamond = shape(&DIAMOND);
             canvas.fill(&diamond, WHITE)?;
             canvas.line(&diamond, 1.1, INK)
+        }
+        Kind::KC => {
+            let diamond = shape(&DIAMOND);
+            canvas.line(&diamond, 1.8, WHITE)?;
+            canvas.fill(&diamond, INK)
         }
         Kind::MX => {
             canvas.line(&shape(&[(-3.4, -3.4), (3.4, 3.4)]), 1.6, INK)?;
@@ -153,6 +197,7 @@ const CROSSING: [Point; 13] = [
     (-4.4, -1.3),
 ];
 const TRIANGLE: [Point; 4] = [(0.0, -4.2), (3.9, 3.0), (-3.9, 3.0), (0.0, -4.2)];
+const HANGING: [Point; 4] = [(0.0, 4.2), (3.9, -3.0), (-3.9, -3.0), (0.0, 4.2)];
 const STANDING: [Point; 5] = [(0.0, -4.6), (4.6, 0.0), (0.0, 4.6), (-4.6, 0.0), (0.0, -4.6)];
 const DIAMOND: [Point; 5] = [(0.0, -4.2), (4.2, 0.0), (0.0, 4.2), (-4.2, 0.0), (0.0, -4.2)];
 

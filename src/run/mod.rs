@@ -1,6 +1,7 @@
 //! From a scene to files: the only place that knows all the others.
 
 mod calibration;
+mod cycle_curve;
 mod cycles;
 mod describe;
 mod diagram;
@@ -15,6 +16,7 @@ mod outcome;
 mod plan;
 mod resume;
 mod start;
+mod stored_cycle;
 mod study;
 mod summary;
 mod template;
@@ -30,8 +32,9 @@ pub use template::template;
 pub use watch::INTERRUPTED;
 
 use crate::branch::{Branch, StoreError};
+use crate::orbit::bifurcations::Critical;
 use crate::plot::PlotError;
-use crate::scene::{Fault, Place, Scene, SceneError, Task, TaskKind, owner};
+use crate::scene::{Curve, Fault, Place, Scene, SceneError, Task, TaskKind, owner};
 use equilibria::Origin;
 use files::Folder;
 use outcome::{Outcome, Status};
@@ -99,6 +102,10 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
             match task.kind {
                 TaskKind::FoldCurve(_) => start::check_fold(scene, from, at)?,
                 TaskKind::Equilibria(_) => start::check_equilibrium(scene, from, at)?,
+                TaskKind::LpcCurve(_) => start::check_cycle(scene, (from, at), "LPC", "a fold of cycles")?,
+                TaskKind::PdCurve(_) => start::check_cycle(scene, (from, at), "PD", "a period doubling")?,
+                TaskKind::NsCurve(_) => start::check_cycle(scene, (from, at), "NS", "a torus bifurcation")?,
+                TaskKind::Cycles(_) if start::is_cycle(scene, from) => {}
                 _ => start::check(scene, from, at)?,
             }
         }
@@ -174,6 +181,10 @@ fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper
             format!("there is no {label}; found were: {}", found.join(", "))
         })
     };
+    let cycle_curve = |what: (&Curve, Critical)| match source(&what.0.from) {
+        Ok(from) => cycle_curve::run(prepared, &task.name, what, from, watch),
+        Err(reason) => Outcome::failed(cycle_curve::empty(prepared, &task.name, what), reason),
+    };
     let outcome = match &task.kind {
         TaskKind::Equilibria(equilibria) => match equilibria.from.as_ref().map(|(from, _)| source(from)).transpose() {
             Ok(from) => {
@@ -191,6 +202,9 @@ fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper
             Ok(from) => fold_curve::run(prepared, &task.name, curve, from, watch),
             Err(reason) => Outcome::failed(fold_curve::empty(prepared, &task.name, curve), reason),
         },
+        TaskKind::LpcCurve(curve) => cycle_curve((curve, Critical::Fold)),
+        TaskKind::PdCurve(curve) => cycle_curve((curve, Critical::Flip)),
+        TaskKind::NsCurve(curve) => cycle_curve((curve, Critical::Torus)),
         TaskKind::Map(map) => map::run(prepared, &task.name, map, watch),
         TaskKind::HopfCurve(curve) => match source(&curve.from) {
             Ok(from) => hopf_curve::run(prepared, &task.name, curve, from, watch),

@@ -74,6 +74,19 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 let _ = writeln!(out, "  computed: folds from {}, both ways along the curve", curve.from);
                 out += "  computed: points of codimension two (CP, BT, ZH)\n";
             }
+            TaskKind::LpcCurve(curve) | TaskKind::PdCurve(curve) | TaskKind::NsCurve(curve) => {
+                let (what, points) = match task.kind {
+                    TaskKind::LpcCurve(_) => ("folds of cycles", "CPC, R1, LPPD, LPNS"),
+                    TaskKind::PdCurve(_) => ("period doublings", "GPD, R2, LPPD, PDNS"),
+                    _ => ("torus bifurcations", "CH, R1, R2, R3, R4, LPNS, PDNS"),
+                };
+                let _ = writeln!(
+                    out,
+                    "  computed: {what} from {}, both ways along the curve, with their normal form",
+                    curve.from
+                );
+                let _ = writeln!(out, "  computed: points of codimension two ({points})");
+            }
             TaskKind::Map(map) => {
                 let [m, n] = map.grid;
                 let _ = writeln!(out, "  computed: the rightmost eigenvalue at {m} x {n} points");
@@ -106,8 +119,10 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 let points = if c.gauss { "Gauss" } else { "Radau" };
                 let _ = writeln!(
                     out,
-                    "  computed: cycles from {}, {} intervals of degree {} ({points} points)",
-                    c.from, c.intervals, c.degree
+                    "  computed: cycles from {}, {} of degree {} ({points} points)",
+                    c.from,
+                    c.intervals.map_or("as many intervals as the start needs".to_owned(), |n| format!("{n} intervals")),
+                    c.degree
                 );
                 let half = c.symmetry && crate::problem::Problem::reflection(&*prepared.problem).is_some();
                 out += &yes_no(!half, "the second half of each period".into(), "symmetry gives it");
@@ -116,8 +131,10 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                     &yes_no(multipliers, "Floquet multipliers and stability".into(), "multipliers are not asked for");
             }
         }
-        if let TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::Cycles(_) | TaskKind::FoldCurve(_) = task.kind
-        {
+        let of_cycles = matches!(task.kind, TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_));
+        let of_equilibria =
+            matches!(task.kind, TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::FoldCurve(_));
+        if of_cycles || of_equilibria || matches!(task.kind, TaskKind::Cycles(_)) {
             let list = ready.study.observables();
             let wanted: Vec<&str> = prepared.observables.iter().map(|&i| list[i].name).collect();
             let others: Vec<&str> = list.iter().map(|o| o.name).filter(|name| !wanted.contains(name)).collect();
@@ -133,6 +150,7 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
         let estimates = "error estimates on a refined discretisation".to_owned();
         out += &match (along.errors, &task.kind) {
             (false, _) => yes_no(false, estimates, "errors = false"),
+            (true, _) if of_cycles => yes_no(false, estimates, "curves of cycles have none"),
             (true, TaskKind::FoldCurve(_)) => yes_no(false, estimates, "folds have none"),
             (true, _) => yes_no(refined, estimates, "the model has no finer discretisation"),
         };

@@ -7,6 +7,7 @@ use super::outcome::Outcome;
 use crate::branch::{Branch, write_atomically};
 use crate::continuation::{Counts, WalkState};
 use crate::orbit::Orbit;
+use crate::orbit::bifurcations::{Passage, Signs};
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 use std::path::PathBuf;
@@ -21,6 +22,9 @@ pub struct Checkpoint {
     pub walk: WalkState,
     pub counts: Counts,
     pub seconds: f64,
+    /// Test functions at the last point, and what the last three say of a homoclinic end.
+    pub signs: Option<Signs>,
+    pub passages: Vec<Passage>,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -17,7 +17,7 @@ pub fn check(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
             TaskKind::Equilibria(_) | TaskKind::Diagram(_) => label.kind == "HB",
             TaskKind::HopfCurve(_) => ["UZ", "EP", "GH"].contains(&label.kind),
             TaskKind::Calibration(_) => label.kind == "UZ",
-            TaskKind::Cycles(_) | TaskKind::FoldCurve(_) | TaskKind::Map(_) | TaskKind::HopfSurface(_) => false,
+            _ => false,
         })
     });
     match allowed {
@@ -108,6 +108,28 @@ pub fn check_equilibrium(scene: &Scene, from: &str, at: &Place) -> Result<(), Sc
             format!(
                 "the start must be an equilibrium, such as \"TASK/BP1\" of a task of kind \"equilibria\", not {from:?}"
             ),
+        )),
+    }
+}
+
+/// Whether a start is where cycles of another task double their period or branch.
+pub fn is_cycle(scene: &Scene, from: &str) -> bool {
+    let of_cycles = |label: Label| {
+        let task = scene.tasks.iter().find(|task| task.name == label.task);
+        ["PD", "BPC"].contains(&label.kind) && task.is_some_and(|task| matches!(task.kind, TaskKind::Cycles(_)))
+    };
+    Label::parse(from).is_some_and(of_cycles)
+}
+
+/// Curves of bifurcations of cycles start at such a point of a branch of cycles.
+pub fn check_cycle(scene: &Scene, (from, at): (&str, &Place), kind: &str, what: &str) -> Result<(), SceneError> {
+    let label = Label::parse(from);
+    let task = label.and_then(|label| scene.tasks.iter().find(|task| task.name == label.task));
+    match (label, task.map(|task| &task.kind)) {
+        (Some(label), Some(TaskKind::Cycles(_))) if label.kind == kind => Ok(()),
+        _ => Err(scene.refuse(
+            at,
+            format!("the start must be {what}, such as \"TASK/{kind}1\" of a task of kind \"cycles\", not {from:?}"),
         )),
     }
 }

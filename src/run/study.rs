@@ -1,8 +1,9 @@
 //! A scene resolved against its model: the problem, its parameters, and what each task needs.
 
-use super::{equilibria, fold_curve, hopf_curve, written};
+use super::{cycle_curve, cycles, equilibria, fold_curve, hopf_curve, written};
 use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
+use crate::orbit::bifurcations::Critical;
 use crate::problem::{Automatic, Default, Observable, Problem, Tie, Tied};
 use crate::scene::{Expression, Fault, OptionValue, Place, Scene, SceneError, Task, TaskKind, Value, owner, units};
 use num_dual::{Dual64, HyperDual64};
@@ -323,10 +324,14 @@ impl Study {
     /// Observables that the task, its figures or expectations name; an unknown name is an error.
     fn wanted(&self, scene: &Scene, task: &Task) -> Result<Vec<usize>, SceneError> {
         let along = task.kind.along();
+        let of_cycles = [&["period", "frequency", "trivial_error"][..], &cycles::VALUES].concat();
         let own: &[&str] = match task.kind {
             TaskKind::Equilibria(_) => &equilibria::VALUES,
-            TaskKind::Diagram(_) => &[&equilibria::VALUES[..], &["period", "trivial_error"]].concat(),
-            TaskKind::Cycles(_) => &["period", "frequency", "trivial_error"],
+            TaskKind::Diagram(_) => &[&equilibria::VALUES[..], &of_cycles[..]].concat(),
+            TaskKind::Cycles(_) => &of_cycles,
+            TaskKind::LpcCurve(_) => cycle_curve::values(Critical::Fold),
+            TaskKind::PdCurve(_) => cycle_curve::values(Critical::Flip),
+            TaskKind::NsCurve(_) => cycle_curve::values(Critical::Torus),
             TaskKind::HopfCurve(_) => &hopf_curve::VALUES,
             TaskKind::FoldCurve(_) => &fold_curve::VALUES,
             TaskKind::Calibration(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im"],
@@ -365,9 +370,11 @@ impl Study {
                 let extremes = list.iter().flat_map(|o| [format!("max {}", o.name), format!("min {}", o.name)]);
                 ["period".to_owned(), "frequency".to_owned()].into_iter().chain(extremes).collect()
             }
-            TaskKind::HopfCurve(_) | TaskKind::FoldCurve(_) => {
-                along.others.iter().map(|axis| axis.name.clone()).collect()
-            }
+            TaskKind::HopfCurve(_)
+            | TaskKind::FoldCurve(_)
+            | TaskKind::LpcCurve(_)
+            | TaskKind::PdCurve(_)
+            | TaskKind::NsCurve(_) => along.others.iter().map(|axis| axis.name.clone()).collect(),
             TaskKind::Calibration(_) | TaskKind::Map(_) | TaskKind::HopfSurface(_) => Vec::new(),
         };
         for name in along.values.keys().filter(|name| **name != along.free) {

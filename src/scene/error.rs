@@ -84,7 +84,7 @@ pub enum Fault {
     #[error("{name:?} cannot be a name; use letters (a-z, A-Z), digits, \"-\" and \"_\"")]
     Name { name: String },
     #[error(
-        "{found:?} is not a label; write TASK/KINDn, for example {example:?}, with KIND one of HB, LP, BP, UZ, EP, GH, BT, ZH, HH and n counting from 1"
+        "{found:?} is not a label; write TASK/KINDn, for example {example:?}, with KIND one of HB, LP, BP, KC, XP, UZ, EP, GH, BT, ZH, HH and n counting from 1"
     )]
     Label { found: String, example: String },
     #[error("the task {name:?} comes later{}; put it before this one", line(at))]

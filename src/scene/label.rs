@@ -3,7 +3,20 @@
 use super::{Fault, Task, TaskKind};
 
 /// Kinds of points that a scene can refer to.
-pub const POINT_KINDS: [&str; 10] = ["HB", "LP", "BP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP"];
+pub const POINT_KINDS: [&str; 26] = [
+    "HB", "LP", "BP", "KC", "XP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP", "LPC", "PD", "NS", "BPC", "CPC", "GPD",
+    "CH", "R1", "R2", "R3", "R4", "LPPD", "LPNS", "PDNS",
+];
+
+/// What curves of critical cycles find, by the kind of the task.
+fn found_on(task: &TaskKind) -> &'static [&'static str] {
+    match task {
+        TaskKind::LpcCurve(_) => &["CPC", "R1", "LPPD", "LPNS"],
+        TaskKind::PdCurve(_) => &["GPD", "R2", "LPPD", "PDNS"],
+        TaskKind::NsCurve(_) => &["CH", "R1", "R2", "R3", "R4", "LPNS", "PDNS"],
+        _ => &[],
+    }
+}
 
 /// "straight/HB1": the first Hopf point of the task "straight".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,13 +30,14 @@ pub struct Label<'a> {
 impl<'a> Label<'a> {
     pub fn parse(text: &'a str) -> Option<Label<'a>> {
         let (task, point) = text.rsplit_once('/')?;
-        let (kind, digits) = point.split_at_checked(2)?;
-        let well_formed = is_name(task)
-            && POINT_KINDS.contains(&kind)
-            && !digits.starts_with('0')
-            && digits.bytes().all(|byte| byte.is_ascii_digit());
+        // The number begins where digits alone are left: "LPC1" is no LP, "R11" the first R1.
+        let (kind, digits) = POINT_KINDS.iter().find_map(|kind| {
+            let digits = point.strip_prefix(kind)?;
+            let number = !digits.starts_with('0') && digits.bytes().all(|byte| byte.is_ascii_digit());
+            number.then_some((*kind, digits))
+        })?;
         let number = digits.parse().ok()?;
-        well_formed.then_some(Label { task, kind, number })
+        is_name(task).then_some(Label { task, kind, number })
     }
 }
 
@@ -94,21 +108,37 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         (_, TaskKind::Diagram(_)) => Some(" (it finds HB, LP, BP, UZ and EP)".to_owned()),
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
         ("UZ", _) => None,
+        ("KC" | "XP", TaskKind::Equilibria(task)) => {
+            let looks = task.spectrum > 0 || task.detect.iter().any(|known| known == "HB");
+            (!looks).then(|| "; give it spectrum = 4".to_owned())
+        }
+        ("LPC" | "PD" | "NS" | "BPC", TaskKind::Equilibria(_)) => {
+            Some(" (these are points of cycles: kind = \"cycles\")".to_owned())
+        }
         (_, TaskKind::Equilibria(_)) if !["HB", "LP", "BP"].contains(&kind) => {
             Some(" (points of codimension two are on curves: kind = \"hopf-curve\" or \"fold-curve\")".to_owned())
         }
-        (_, TaskKind::Equilibria(task)) if task.detect.iter().any(|known| known == kind) => None,
-        (_, TaskKind::Equilibria(task)) => {
-            let mut detect: Vec<String> = task.detect.iter().map(|k| format!("{k:?}")).collect();
-            detect.push(format!("{kind:?}"));
-            Some(format!("; give it detect = [{}]", detect.join(", ")))
-        }
+        (_, TaskKind::Equilibria(task)) => missing(&task.detect, kind),
         ("GH" | "BT" | "ZH" | "HH", TaskKind::HopfCurve(_)) => None,
         (_, TaskKind::HopfCurve(_)) => Some(" (it follows Hopf points: only GH, BT, ZH, HH, UZ and EP)".to_owned()),
         ("CP" | "BT" | "ZH", TaskKind::FoldCurve(_)) => None,
         (_, TaskKind::FoldCurve(_)) => Some(" (it follows folds: only CP, BT, ZH, UZ and EP)".to_owned()),
-        (_, TaskKind::Cycles(_)) => Some(" (it follows cycles: only UZ and EP)".to_owned()),
+        (_, TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_)) => {
+            let found = found_on(&task.kind);
+            (!found.contains(&kind)).then(|| format!(" (it finds only {}, UZ and EP)", found.join(", ")))
+        }
+        ("LPC" | "PD" | "NS" | "BPC", TaskKind::Cycles(cycles)) => missing(&cycles.detect, kind),
+        (_, TaskKind::Cycles(_)) => Some(" (it follows cycles: only LPC, PD, NS, BPC, UZ and EP)".to_owned()),
     }
+}
+
+/// What to add to a list of kinds to be detected.
+fn missing(detect: &[String], kind: &str) -> Option<String> {
+    if detect.iter().any(|known| known == kind) {
+        return None;
+    }
+    let all: Vec<String> = detect.iter().map(|k| format!("{k:?}")).chain([format!("{kind:?}")]).collect();
+    Some(format!("; give it detect = [{}]", all.join(", ")))
 }
 
 #[cfg(test)]
@@ -120,6 +150,9 @@ mod tests {
         let label = Label::parse("two-doublet_1/HB12");
         let expected = Label { task: "two-doublet_1", kind: "HB", number: 12 };
         assert_eq!(label, Some(expected));
+        for (text, kind, number) in [("a/LPC2", "LPC", 2), ("a/R11", "R1", 1), ("a/PDNS10", "PDNS", 10)] {
+            assert_eq!(Label::parse(text), Some(Label { task: "a", kind, number }));
+        }
         for bad in [
             "",
             "/",
@@ -130,7 +163,8 @@ mod tests {
             "straight/HB0",
             "straight/HB01",
             "straight/HB+1",
-            "straight/PD1",
+            "straight/PC1",
+            "straight/R1",
             "straight/hb1",
             "straight/µ1",
             "a b/HB1",

@@ -191,6 +191,9 @@ pub enum TaskKind {
     Cycles(Cycles),
     HopfCurve(Curve),
     FoldCurve(Curve),
+    LpcCurve(Curve),
+    PdCurve(Curve),
+    NsCurve(Curve),
     Calibration(Calibration),
     Map(Map),
     HopfSurface(Surface),
@@ -213,6 +216,9 @@ impl TaskKind {
             TaskKind::Cycles(_) => "cycles",
             TaskKind::HopfCurve(_) => "hopf-curve",
             TaskKind::FoldCurve(_) => "fold-curve",
+            TaskKind::LpcCurve(_) => "lpc-curve",
+            TaskKind::PdCurve(_) => "pd-curve",
+            TaskKind::NsCurve(_) => "ns-curve",
             TaskKind::Calibration(_) => "calibration",
             TaskKind::Map(_) => "map",
             TaskKind::HopfSurface(_) => "hopf-surface",
@@ -225,6 +231,7 @@ impl TaskKind {
             TaskKind::Diagram(task) => &task.equilibria.along,
             TaskKind::Cycles(task) => &task.along,
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => &task.along,
+            TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => &task.along,
             TaskKind::Calibration(task) => &task.along,
             TaskKind::Map(task) => &task.along,
             TaskKind::HopfSurface(task) => &task.along,
@@ -238,6 +245,9 @@ impl TaskKind {
             TaskKind::Map(_) | TaskKind::Diagram(_) => None,
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => Some((&task.from, &task.from_at)),
+            TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => {
+                Some((&task.from, &task.from_at))
+            }
             TaskKind::Calibration(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfSurface(task) => Some((&task.from, &task.from_at)),
         }
@@ -328,11 +338,12 @@ pub struct Diagram {
 #[derive(Clone, Debug)]
 pub struct Cycles {
     pub along: Along,
-    /// "straight/HB1".
+    /// "straight/HB1", or where other cycles bifurcate: "beat/PD1", "beat/BPC1".
     pub from: String,
     pub from_at: Place,
-    /// Mesh intervals over the computed part of the period. Default 20.
-    pub intervals: usize,
+    /// Mesh intervals over the computed part of the period; None, the default: 20, or as many as the cycles have that
+    /// they start from, twice as many for twice the period.
+    pub intervals: Option<usize>,
     /// Degree of the collocation polynomials, 2-7. Default 4.
     pub degree: usize,
     /// `points = "radau"` (default): right for stiff problems, order 2m - 1; `"gauss"`: order 2m.
@@ -341,9 +352,11 @@ pub struct Cycles {
     pub multipliers: usize,
     /// `symmetry = "auto"` (default) uses half a period where the model allows; "none" the full one.
     pub symmetry: bool,
+    /// Kinds of special points looked for: "LPC", "PD", "NS", "BPC".
+    pub detect: Vec<String>,
 }
 
-/// `kind = "hopf-curve"` or `"fold-curve"`.
+/// `kind = "hopf-curve"`, `"fold-curve"`, `"lpc-curve"`, `"pd-curve"` or `"ns-curve"`.
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// Two parameters; only the second must have a range.

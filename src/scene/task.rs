@@ -6,13 +6,24 @@ use super::tree::Content;
 use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, diagram, map, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 8] =
-    ["equilibria", "diagram", "cycles", "hopf-curve", "fold-curve", "hopf-surface", "calibration", "map"];
+pub const TASK_KINDS: [&str; 11] = [
+    "equilibria",
+    "diagram",
+    "cycles",
+    "hopf-curve",
+    "fold-curve",
+    "lpc-curve",
+    "pd-curve",
+    "ns-curve",
+    "hopf-surface",
+    "calibration",
+    "map",
+];
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
 const EQUILIBRIA: [&str; 6] = ["log", "from", "start", "state", "spectrum", "detect"];
-const CYCLES: [&str; 6] = ["from", "intervals", "degree", "points", "multipliers", "symmetry"];
+const CYCLES: [&str; 7] = ["from", "intervals", "degree", "points", "multipliers", "symmetry", "detect"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
 const CALIBRATION: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "targets", "starts", "errors"];
 const MAP: [&str; 7] = ["name", "kind", "free", "range", "log", "grid", "errors"];
@@ -55,6 +66,20 @@ pub(super) fn read(
         "fold-curve" => {
             section.allow("key of a fold-curve task", &CURVE)?;
             TaskKind::FoldCurve(several::curve(section, read, announced, "from = \"TASK/LP1\", a fold of the curve")?)
+        }
+        kind @ ("lpc-curve" | "pd-curve" | "ns-curve") => {
+            section.allow("key of a curve of cycles", &CURVE)?;
+            let example = match kind {
+                "lpc-curve" => "from = \"TASK/LPC1\", a fold of cycles",
+                "pd-curve" => "from = \"TASK/PD1\", a period doubling",
+                _ => "from = \"TASK/NS1\", a torus bifurcation",
+            };
+            let curve = several::curve(section, read, announced, example)?;
+            match kind {
+                "lpc-curve" => TaskKind::LpcCurve(curve),
+                "pd-curve" => TaskKind::PdCurve(curve),
+                _ => TaskKind::NsCurve(curve),
+            }
         }
         "calibration" => {
             section.allow("key of a calibration task", &CALIBRATION)?;
@@ -107,7 +132,7 @@ fn equilibria(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> 
             None => 0,
         },
         detect: match section.get("detect") {
-            Some(entry) => detect(&entry)?,
+            Some(entry) => detect(&entry, &["HB", "LP", "BP"])?,
             None => Vec::new(),
         },
     })
@@ -119,9 +144,9 @@ pub(super) fn inside(entry: &Entry<'_>, along: &Along) -> Result<f64, SceneError
     if (from..=to).contains(&value) { Ok(value) } else { Err(entry.error(Fault::OutsideRange { value, from, to })) }
 }
 
-fn detect(entry: &Entry<'_>) -> Result<Vec<String>, SceneError> {
-    for item in entry.list("a list such as [\"HB\", \"LP\", \"BP\"]")? {
-        item.choice("kind of point to detect", &["HB", "LP", "BP"])?;
+fn detect(entry: &Entry<'_>, kinds: &[&'static str]) -> Result<Vec<String>, SceneError> {
+    for item in entry.list(&format!("a list such as {kinds:?}"))? {
+        item.choice("kind of point to detect", kinds)?;
     }
     entry.texts()
 }
@@ -134,8 +159,12 @@ fn cycles(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Resu
         from: from.text()?.to_owned(),
         from_at: from.at,
         intervals: match section.get("intervals") {
-            Some(entry) => entry.count(2..=10_000)?,
-            None => 20,
+            Some(entry) => Some(entry.count(2..=10_000)?),
+            None => None,
+        },
+        detect: match section.get("detect") {
+            Some(entry) => detect(&entry, &["LPC", "PD", "NS", "BPC"])?,
+            None => Vec::new(),
         },
         degree: match section.get("degree") {
             Some(entry) => entry.count(2..=7)?,

@@ -3,6 +3,7 @@
 
 pub mod brusselator;
 pub mod lorenz;
+pub mod text;
 
 use faer::Mat;
 use hopfline::bifurcation::{Coordinate, Equilibria, Hopf, HopfNormalForm};

@@ -1,4 +1,9 @@
 //! Exceptional points: where two eigenvalues of a branch of equilibria coalesce.
+//!
+//! Two real ones meet and leave the real axis, or a pair lands on it. Where the spectrum has a second line of symmetry -
+//! the imaginary axis, without damping - two pairs on it do the same there: their frequencies meet, and one of them
+//! grows (1:1 resonance; Krein 1950; Ziegler's and Beck's flutter, Seyranian and Mailybaev 2003, doi:10.1142/5305).
+//! Eigenvalues go as the square root of the distance, but their mean and discriminant are smooth.
 
 use super::{Mark, Sample, Spectra};
 use crate::bifurcation::Equilibria;
@@ -55,7 +60,7 @@ impl Spectra<'_> {
         (a, b): (&Point, &Point),
         (start, end): (Meeting, Meeting),
         counts: &mut Counts,
-    ) -> Result<Option<(f64, f64)>, Failure> {
+    ) -> Result<Option<(f64, c64)>, Failure> {
         if start.discriminant * end.discriminant > 0.0 {
             return Ok(None);
         }
@@ -91,27 +96,27 @@ impl Spectra<'_> {
         fine: &Equilibria,
         (a, sample, b): (&Sample, &Sample, &Sample),
         settle: impl Fn(&Point) -> Option<Point>,
-        mean: f64,
-    ) -> Option<f64> {
+        mean: c64,
+    ) -> Option<(f64, c64)> {
         let ends = (settle(&a.point)?, settle(&b.point)?);
         let mut counts = Counts::default();
         let mut look = |lambda: f64| {
             let point = at_lambda(fine, (&ends.0, &ends.1), lambda, &mut counts).ok()?.point;
-            let pairs = fine.spectrum(&point.x, point.lambda, self.shift, 0).ok()?;
-            let values: Vec<c64> = pairs.iter().take(self.looked_at()).map(|pair| pair.value).collect();
-            Some(Meeting::nearest(&values, Meeting { mean, discriminant: 0.0 }).discriminant)
+            let values = self.looked_at(fine, &point.x, point.lambda).ok()?;
+            Some(Meeting::nearest(&values, Meeting { mean, discriminant: 0.0 }))
         };
         let near = |s: &Sample| Meeting::nearest(&s.values, Meeting { mean, discriminant: 0.0 }).discriminant;
         let width = (b.point.lambda - a.point.lambda).abs();
         let slope = (near(b) - near(a)) / (b.point.lambda - a.point.lambda);
         let mut last = (sample.point.lambda, look(sample.point.lambda)?);
-        let mut step = -last.1 / slope;
+        let mut step = -last.1.discriminant / slope;
         for _ in 0..8 {
             let here = (last.0 + step, look(last.0 + step)?);
-            let next = -here.1 * (here.0 - last.0) / (here.1 - last.1);
+            let change = here.1.discriminant - last.1.discriminant;
+            let next = -here.1.discriminant * (here.0 - last.0) / change;
             // Rounding in the eigenvalues ends the convergence, above any tolerance set in advance.
             if next.abs() >= 0.5 * step.abs() && step.abs() <= 1e-6 * width || next.abs() <= 1e-12 * width {
-                return Some(here.0);
+                return Some((here.0, here.1.mean));
             }
             (last, step) = (here, next);
         }
@@ -119,40 +124,74 @@ impl Spectra<'_> {
     }
 }
 
-/// Two eigenvalues s1, s2, both real or conjugate, by what is smooth where they coalesce.
+/// Two eigenvalues s1, s2 that may coalesce, by what is smooth where they do: both real or conjugate, or the upper
+/// members of two pairs with one real part or one imaginary part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Meeting {
-    /// (s1 + s2)/2.
-    mean: f64,
-    /// ((s1 - s2)/2)²: positive for real ones.
+    /// (s1 + s2)/2: real for the former, with a positive imaginary part for the latter.
+    mean: c64,
+    /// ((s1 - s2)/2)², which is real: positive for eigenvalues side by side, negative for those one above the other.
     discriminant: f64,
 }
+
+/// Imaginary parts of the discriminant below this part of the eigenvalues' square are rounding.
+const SYMMETRIC: f64 = 1e-10;
 
 impl Meeting {
     pub(super) fn of(x: c64, y: c64) -> Self {
         let half = 0.5 * (x - y);
-        Self { mean: 0.5 * (x.re + y.re), discriminant: half.re * half.re - half.im * half.im }
+        Self { mean: 0.5 * (x + y), discriminant: half.re * half.re - half.im * half.im }
+    }
+
+    /// All of the eigenvalues that may coalesce off the real axis.
+    fn pairs(values: &[c64]) -> Vec<Self> {
+        let upper: Vec<c64> = values.iter().copied().filter(|z| z.im > 0.0).collect();
+        let all = upper.iter().enumerate().flat_map(|(j, &x)| upper[..j].iter().map(move |&y| (x, y)));
+        let symmetric = all.filter(|(x, y)| (0.5 * (x - y).re * (x - y).im).abs() <= SYMMETRIC * (x + y).norm_sqr());
+        symmetric.map(|(x, y)| Self::of(x, y)).collect()
+    }
+
+    /// Two pairs that have met and left their line of symmetry.
+    fn has_split(&self) -> bool {
+        self.discriminant > SYMMETRIC * self.mean.norm_sqr()
+    }
+
+    /// Two pairs that meet somewhere between two spectra: on their line of symmetry in one, where they must be among the
+    /// `leading` eigenvalues, and off it in the other, where one of them decays fastest of all.
+    pub(super) fn of_pairs(a: &[c64], b: &[c64], leading: usize) -> Option<(Self, Self)> {
+        let partner = |split: Self, values: &[c64]| {
+            let before = Self::nearest(values, split);
+            let among = Self::pairs(&values[..values.len().min(leading)]);
+            among.into_iter().find(|m| before.discriminant < 0.0 && m.off(before) == 0.0)
+        };
+        let split = |values: &[c64]| Self::pairs(values).into_iter().filter(Self::has_split);
+        let forwards = split(b).find_map(|end| Some((partner(end, a)?, end)));
+        forwards.or_else(|| split(a).find_map(|start| Some((start, partner(start, b)?))))
     }
 
     /// The linear interpolant.
     fn towards(self, other: Self, theta: f64) -> Self {
-        let mix = |a: f64, b: f64| a + theta * (b - a);
-        Self { mean: mix(self.mean, other.mean), discriminant: mix(self.discriminant, other.discriminant) }
+        Self {
+            mean: self.mean + theta * (other.mean - self.mean),
+            discriminant: self.discriminant + theta * (other.discriminant - self.discriminant),
+        }
+    }
+
+    /// A measure of how unlike two meetings are.
+    fn off(self, other: Self) -> f64 {
+        (self.mean - other.mean).norm_sqr() + (self.discriminant - other.discriminant).abs()
     }
 
     /// The two of all eigenvalues that are most like what is expected.
     fn nearest(values: &[c64], expected: Self) -> Self {
-        let mut best = (f64::INFINITY, expected);
-        for (j, &x) in values.iter().enumerate() {
-            for &y in &values[..j] {
-                let alike = (x.im + y.im).abs() <= 1e-9 * (x + y).norm();
-                let pair = Self::of(x, y);
-                let off = (pair.mean - expected.mean).powi(2) + (pair.discriminant - expected.discriminant).abs();
-                if alike && off < best.0 {
-                    best = (off, pair);
-                }
-            }
-        }
-        best.1
+        let on_real_axis = |(x, y): (c64, c64)| (x.im + y.im).abs() <= 1e-9 * (x + y).norm();
+        let candidates = if expected.mean.im > 0.0 {
+            Self::pairs(values)
+        } else {
+            let all = values.iter().enumerate().flat_map(|(j, &x)| values[..j].iter().map(move |&y| (x, y)));
+            all.filter(|&pair| on_real_axis(pair)).map(|(x, y)| Self::of(x, y)).collect()
+        };
+        let nearest = candidates.into_iter().min_by(|x, y| x.off(expected).total_cmp(&y.off(expected)));
+        nearest.unwrap_or(expected)
     }
 }

@@ -4,7 +4,7 @@ mod exceptional;
 
 use super::{BranchPoint, Equilibria, Fold, Followed, Hopf, HopfNormalForm, follow, settle};
 use crate::continuation::{Counts, Failure, Point, at_fraction, at_lambda};
-use crate::linalg::{Singular, c64};
+use crate::linalg::{Singular, c64, growth};
 use exceptional::Meeting;
 use rayon::prelude::*;
 
@@ -19,8 +19,8 @@ pub enum Mark {
     Fold(Option<Box<Fold>>),
     Branch(Box<BranchPoint>),
     Hopf(Box<(Hopf, HopfNormalForm)>),
-    /// Two eigenvalues coalesce at this value: a pair is born or dies on the real axis.
-    Exceptional(f64),
+    /// Two eigenvalues coalesce at this value: a pair is born or dies on the real axis, or two pairs meet.
+    Exceptional(c64),
 }
 
 /// A point of the branch with its eigenvalues.
@@ -54,6 +54,10 @@ const BLUR: f64 = 0.002;
 /// Corners larger than this part of the spectrum's visible height are smoothed, by so many rounds of halving.
 const CORNER: f64 = 0.006;
 const MOST_REFINEMENTS: usize = 2;
+/// Where no eigenvalue grows or decays, this part of the frequencies' extent stands for the visible height.
+const FLAT: f64 = 1e-3;
+/// Frequencies closer than this part of the eigenvalue are the same: where two meet, half of the digits are lost.
+const SAME: f64 = 1e-6;
 /// Pairs that stay closer than this part of the spectrum's visible height over a whole step are not looked at.
 const VISIBLE: f64 = 0.01;
 
@@ -91,40 +95,63 @@ impl<'a> Spectra<'a> {
     /// Eigenvalues at a point, as many as are ever looked at.
     fn at(&self, point: &Point, counts: &mut Counts) -> Result<Vec<c64>, Failure> {
         counts.spectra += 1;
-        let found = self.system.leading(&point.x, point.lambda, self.shift, self.looked_at(), 0)?;
-        Ok(found.pairs.iter().take(self.looked_at()).map(|pair| pair.value).collect())
+        self.looked_at(self.system, &point.x, point.lambda)
     }
 
-    fn looked_at(&self) -> usize {
+    /// As many eigenvalues as are ever looked at.
+    fn count(&self) -> usize {
         4 * self.wanted + 8
+    }
+
+    /// Of a system's eigenvalues the leading ones, and those of the same frequency: the other halves of two pairs that met
+    /// on the axis decay fastest of all.
+    fn looked_at(&self, system: &Equilibria, x: &[f64], lambda: f64) -> Result<Vec<c64>, Failure> {
+        let found = system.leading(x, lambda, self.shift, self.count(), 0)?;
+        let mut values: Vec<c64> = found.pairs.iter().map(|pair| pair.value).collect();
+        let rest = values.split_off(values.len().min(self.count()));
+        let alike = |z: &c64| z.im != 0.0 && values.iter().any(|w| (w.im - z.im).abs() <= SAME * z.norm());
+        let halves: Vec<c64> = rest.into_iter().filter(alike).collect();
+        values.extend(halves);
+        Ok(values)
     }
 
     /// The rightmost eigenvalue's vector.
     pub fn mode(&self, point: &Point) -> Option<Vec<c64>> {
-        let found = self.system.leading(&point.x, point.lambda, self.shift, self.looked_at(), 1).ok()?;
+        let found = self.system.leading(&point.x, point.lambda, self.shift, self.count(), 1).ok()?;
         found.pairs.into_iter().next().map(|pair| pair.vector)
     }
 
     /// The rightmost eigenvalue of another discretisation of the same system.
     pub fn leading(&self, system: &Equilibria, point: &Point) -> Option<c64> {
-        let found = system.leading(&point.x, point.lambda, self.shift, self.looked_at(), 0).ok()?;
+        let found = system.leading(&point.x, point.lambda, self.shift, self.count(), 0).ok()?;
         found.pairs.first().map(|pair| pair.value)
     }
 
     /// Puts every sample's eigenvalues in the order of the branches; adds samples where they cannot be told apart
     /// otherwise, and at and around exceptional points.
     pub fn follow(&self, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
+        self.meetings(samples, counts)?;
         let Some(first) = samples.first_mut() else { return Ok(()) };
         first.followed = first.values.iter().take(2 * self.wanted + 4).copied().collect();
-        let (mut i, mut halvings) = (1, 0);
+        // The step that is looked at ends at `end`; halved too often, all of it is settled by distance.
+        let (mut i, mut end, mut halvings, mut hopeless) = (1, 1, 0, false);
         while i < samples.len() {
+            if i > end {
+                (end, halvings, hopeless) = (i, 0, false);
+            }
+            let meets = |s: &Sample| matches!(s.mark, Some(Mark::Exceptional(mean)) if mean.im > 0.0);
+            let near_meeting = meets(&samples[i - 1]) || meets(&samples[i]);
             let guess = extrapolate(samples, i);
             let last = &samples[i - 1].followed;
             let values = &samples[i].values;
-            let height =
-                |count: usize| values[0].re - values.get(count).or(values.last()).map_or(values[0].re, |z| z.re);
+            let height = |count: usize| {
+                let turning = values.iter().take(count).map(|z| FLAT * z.im.abs()).fold(0.0, f64::max);
+                turning.max(values[0].re - values.get(count).or(values.last()).map_or(values[0].re, |z| z.re))
+            };
             let found = match follow(last, &guess, values, self.wanted, BLUR * height(self.wanted)) {
-                Err(_) if halvings >= MOST_HALVINGS => {
+                // Two pairs on one spot cannot be told apart, however close one looks.
+                Err(_) if halvings >= MOST_HALVINGS || hopeless || near_meeting => {
+                    hopeless |= !near_meeting;
                     Ok(Followed { values: settle(&guess, values), coalesced: Vec::new() })
                 }
                 found => found,
@@ -132,7 +159,7 @@ impl<'a> Spectra<'a> {
             match found {
                 Err(_) => {
                     self.insert(samples, i, 0.5, counts)?;
-                    halvings += 1;
+                    (end, halvings) = (end + 1, halvings + 1);
                 }
                 Ok(found) => {
                     let near = [&samples[i - 1], &samples[i]];
@@ -145,6 +172,7 @@ impl<'a> Spectra<'a> {
                         let width = (found.values[j] - found.values[k]).norm().max((last[j] - last[k]).norm());
                         if width > VISIBLE * height(self.wanted) {
                             added = self.exceptional(samples, i, ends, counts)?;
+                            end += added;
                         }
                     }
                     if added == 0 {
@@ -159,9 +187,22 @@ impl<'a> Spectra<'a> {
         for sample in samples.iter_mut() {
             // Two eigenvalues that meet are known to half of their digits.
             let edge = sample.values.get(self.wanted - 1).map_or(f64::NEG_INFINITY, |z| z.re - 1e-6 * z.norm());
-            if matches!(sample.mark, Some(Mark::Exceptional(mean)) if mean < edge) {
+            if matches!(sample.mark, Some(Mark::Exceptional(mean)) if mean.re < edge) {
                 sample.mark = None;
             }
+        }
+        Ok(())
+    }
+
+    /// Adds samples where two pairs meet, and around there.
+    fn meetings(&self, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
+        let mut i = 1;
+        while i < samples.len() {
+            let (a, b) = (&samples[i - 1].values, &samples[i].values);
+            if let Some(ends) = Meeting::of_pairs(a, b, 2 * self.wanted + 4) {
+                i += self.exceptional(samples, i, ends, counts)?;
+            }
+            i += 1;
         }
         Ok(())
     }
@@ -176,7 +217,7 @@ impl<'a> Spectra<'a> {
             let turning = samples.iter().flat_map(|s| shown.iter().map(move |&k| s.followed[k]));
             let wide = turning.filter(|z| z.re >= bottom).map(|z| 2.0 * z.im.abs()).fold(0.0, f64::max);
             // Each part is drawn in a panel of its own height.
-            let sizes = (CORNER * (top - bottom), CORNER * wide);
+            let sizes = (CORNER * (top - bottom).max(FLAT * wide), CORNER * wide);
             let bent: Vec<usize> = (1..samples.len())
                 .filter(|&i| {
                     let mut inner = [i - 1, i].into_iter().filter(|j| (1..samples.len() - 1).contains(j));
@@ -221,15 +262,23 @@ impl<'a> Spectra<'a> {
     }
 
     /// Inserts every Hopf point: a followed pair whose real part changes sign between two samples, solved for on its
-    /// defining system.
+    /// defining system. Pairs that stay on the axis, or meet there and leave it, cross nothing.
     pub fn hopf_points(&self, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
+        let side = |s: &Sample, k: usize| {
+            let met = matches!(s.mark, Some(Mark::Exceptional(_)));
+            if met || s.followed[k].im <= 0.0 { 0.0 } else { growth(s.followed[k]) }
+        };
+        let mut from: Vec<f64> = (0..samples.first().map_or(0, |s| s.followed.len())).map(|_| 0.0).collect();
         let mut i = 1;
         while i < samples.len() {
             let (a, b) = (&samples[i - 1], &samples[i]);
-            let crossing = (0..a.followed.len()).filter(|&k| {
-                let (x, y) = (a.followed[k], b.followed[k]);
-                x.im > 0.0 && y.im > 0.0 && (x.re < 0.0) != (y.re < 0.0)
-            });
+            // The side from which each branch comes: a point may lie on the axis by chance.
+            for (k, from) in from.iter_mut().enumerate() {
+                let here = side(a, k);
+                let lost = a.followed[k].im <= 0.0 || matches!(a.mark, Some(Mark::Exceptional(_)));
+                *from = if here != 0.0 || lost { here } else { *from };
+            }
+            let crossing = (0..a.followed.len()).filter(|&k| from[k] * side(b, k) < 0.0);
             let mut found: Vec<Sample> = crossing.filter_map(|k| self.hopf_between(a, b, k, counts)).collect();
             found.sort_by(|x, y| {
                 let along = |s: &Sample| (s.point.lambda - a.point.lambda) / (b.point.lambda - a.point.lambda);
@@ -254,7 +303,7 @@ impl<'a> Spectra<'a> {
         let near = at_fraction(self.system, (&a.point, &b.point), theta, counts).ok()?.point;
         let expected = x + (y - x) * theta;
         let vectors = 2 * self.wanted + 8;
-        let pairs = self.system.leading(&near.x, near.lambda, self.shift, self.looked_at(), vectors).ok()?.pairs;
+        let pairs = self.system.leading(&near.x, near.lambda, self.shift, self.count(), vectors).ok()?.pairs;
         counts.spectra += 1;
         let pair = pairs
             .iter()

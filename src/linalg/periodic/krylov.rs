@@ -15,6 +15,7 @@
 
 use super::cyclic::Cyclic;
 use super::dense::{Dense, axpy, dot};
+use super::iteration::Blocks;
 use super::{Eigenvalue, PeriodicError, Product, all, sort};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Par};
@@ -64,7 +65,7 @@ struct Krylov<'a> {
 /// The projected product in sorted Schur form.
 struct Ritz {
     cyclic: Cyclic,
-    blocks: Vec<((usize, usize), f64)>,
+    blocks: Blocks,
     /// Residual row b.
     b: Vec<f64>,
     values: Vec<Eigenvalue>,
@@ -107,7 +108,7 @@ impl<'a> Krylov<'a> {
                 goal = (self.size + stride).min(self.most);
             } else {
                 let enough = self.wanted + (self.most - self.wanted) / 2;
-                let ends = ritz.blocks.iter().map(|((i, size), _)| i + size);
+                let ends = ritz.blocks.iter().map(|(i, size)| i + size);
                 let keep = ends.take_while(|&end| end <= self.most - 2).find(|&end| end >= enough).unwrap_or(enough);
                 self.restart(&ritz, keep);
                 goal = self.most;
@@ -188,20 +189,28 @@ impl<'a> Krylov<'a> {
         let blocks = cyclic.sort(blocks);
         let basis = &cyclic.q.as_ref()?[self.last];
         let b: Vec<f64> = (0..s).map(|i| beta * basis.at(s - 1, i)).collect();
-        let mut values: Vec<Eigenvalue> = blocks.iter().flat_map(|(block, _)| cyclic.values(*block)).collect();
+        // Sorted but for what could not be exchanged, and for rounding.
+        let mut found: Vec<((usize, usize), Vec<Eigenvalue>)> =
+            blocks.iter().map(|&block| (block, cyclic.values(block))).collect();
+        found.sort_by(|x, y| y.1[0].ln.total_cmp(&x.1[0].ln));
+        let (mut count, mut needed) = (0, 0);
+        for ((i, size), _) in &found {
+            if count >= self.wanted {
+                break;
+            }
+            count += size;
+            needed = needed.max(i + size);
+        }
+        let mut values: Vec<Eigenvalue> = found.into_iter().flat_map(|(_, values)| values).collect();
         sort(&mut values);
-        // Sorted but for what could not be exchanged.
-        let least = values.get(self.wanted - 1)?.ln;
-        let wanted = blocks.iter().filter(|(_, ln)| *ln >= least);
-        let needed = wanted.map(|((i, size), _)| i + size).max()?;
         let scale = f64::from(cyclic.exponents[self.last]).exp2();
         let (h, largest) = (cyclic.h(), cyclic.h().largest());
-        let small = |&((i, size), _): &((usize, usize), f64)| {
+        let small = |&(i, size): &(usize, usize)| {
             let own = (i..i + size).flat_map(|r| (i..i + size).map(move |c| (r, c)));
             let own = own.fold(0.0_f64, |most, (r, c)| most.max(h.at(r, c).abs()));
             b[i..i + size].iter().all(|b| b.abs() <= scale * (TOLERANCE * own).max(FLOOR * largest))
         };
-        let converged = blocks.iter().take_while(|((i, _), _)| *i < needed).all(small);
+        let converged = blocks.iter().take_while(|(i, _)| *i < needed).all(small);
         Some(Ritz { blocks, b, values, needed, converged, cyclic })
     }
 

@@ -4,6 +4,7 @@
 //! overflow are right: errors are those of changes of each factor by a few units of rounding of its own norm.
 //! [`all`] takes `O(N n³)` operations, [`leading`] the work of applying the product a few times.
 
+mod balance;
 mod cyclic;
 mod dense;
 mod iteration;
@@ -110,8 +111,9 @@ pub fn all(product: &dyn Product) -> Result<Vec<Eigenvalue>, PeriodicError> {
         return Err(PeriodicError::NotFinite { factor });
     }
     let mut values = Vec::with_capacity(n);
-    let factors = if factors.is_empty() { Vec::new() } else { strip::stripped(&factors) };
+    let mut factors = if factors.is_empty() { Vec::new() } else { strip::stripped(&factors) };
     if factors.first().is_some_and(|a| a.rows > 0) {
+        balance::balance(&mut factors);
         let mut cyclic = Cyclic::new(factors, false);
         for block in cyclic.iterate()? {
             values.extend(cyclic.values(block));

@@ -21,8 +21,8 @@ const LEFT: f64 = 50.0 * f64::EPSILON;
 const TIE: f64 = 1e-12;
 
 impl Cyclic {
-    /// Sorts the blocks, largest first, those of two real eigenvalues taken apart; with the logarithm of each modulus.
-    pub fn sort(&mut self, blocks: Blocks) -> Vec<((usize, usize), f64)> {
+    /// Sorts the blocks, largest first as far as they can be exchanged, those of two real eigenvalues taken apart.
+    pub fn sort(&mut self, blocks: Blocks) -> Blocks {
         let mut sorted: Vec<((usize, usize), f64)> = Vec::new();
         let blocks: Blocks = blocks.into_iter().flat_map(|block| self.apart(block)).collect();
         for block in blocks {
@@ -37,7 +37,7 @@ impl Cyclic {
                 (sorted[at - 1], sorted[at]) = (((i, q), below), ((i + q, p), above));
             }
         }
-        sorted
+        sorted.into_iter().map(|(block, _)| block).collect()
     }
 
     /// A block of two real eigenvalues as two blocks, the larger first.
@@ -90,10 +90,10 @@ impl Cyclic {
         for t in &self.t {
             let at = |r: usize, c: usize| t.at(i + r, i + c);
             let mut y = [[0.0; 2]; 2];
-            for r in 0..p {
-                for c in 0..q {
+            for (r, row) in y.iter_mut().enumerate().take(p) {
+                for (c, y) in row.iter_mut().enumerate().take(q) {
                     let product: f64 = (0..p).map(|l| at(r, l) * x[l][c]).sum();
-                    y[r][c] = product + if unit.is_none() { at(r, p + c) } else { 0.0 };
+                    *y = product + if unit.is_none() { at(r, p + c) } else { 0.0 };
                 }
             }
             if q == 1 {
@@ -147,10 +147,8 @@ impl Cyclic {
                     *entry = (0..s).map(|l| after[l][r] * x[l]).sum();
                 }
             }
-            for r in 0..s {
-                for c in 0..s {
-                    self.t[j].set(i + r, i + c, block[r][c]);
-                }
+            for (r, row) in block.iter().enumerate().take(s) {
+                row[..s].iter().enumerate().for_each(|(c, x)| self.t[j].set(i + r, i + c, *x));
             }
             if let Some(bases) = &mut self.q {
                 turn_columns(&mut bases[j], i, n, s, &turns[j]);
@@ -165,9 +163,7 @@ fn turn_columns(a: &mut Dense, i: usize, rows: usize, s: usize, turn: &Window) {
     for r in 0..rows {
         let mut x = [0.0; 4];
         (0..s).for_each(|l| x[l] = a.at(r, i + l));
-        for c in 0..s {
-            a.set(r, i + c, (0..s).map(|l| x[l] * turn[l][c]).sum());
-        }
+        (0..s).for_each(|c| a.set(r, i + c, (0..s).map(|l| x[l] * turn[l][c]).sum()));
     }
 }
 
@@ -180,9 +176,8 @@ fn factored(w: Window, s: usize, columns: usize) -> (Window, Window) {
             let (reflector, beta) = Small::new([r[l - 1][k], r[l][k], 0.0]);
             let (upper, lower) = reflector.pair();
             let turned = |x: f64, y: f64| (x - upper * (x + lower * y), y - upper * lower * (x + lower * y));
-            for c in k..s {
-                (r[l - 1][c], r[l][c]) = turned(r[l - 1][c], r[l][c]);
-            }
+            let [above, below] = [r[l - 1], r[l]];
+            (k..s).for_each(|c| (r[l - 1][c], r[l][c]) = turned(above[c], below[c]));
             (r[l - 1][k], r[l][k]) = (beta, 0.0);
             for row in &mut q {
                 (row[l - 1], row[l]) = turned(row[l - 1], row[l]);
@@ -215,9 +210,7 @@ fn solved(mut system: [[f64; 5]; 4], size: usize) -> Option<[f64; 4]> {
         system.swap(k, pivot);
         for i in k + 1..size {
             let factor = system[i][k] / system[k][k];
-            for c in k..5 {
-                system[i][c] -= factor * system[k][c];
-            }
+            (k..5).for_each(|c| system[i][c] -= factor * system[k][c]);
         }
     }
     let mut x = [0.0; 4];

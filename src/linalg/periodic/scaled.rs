@@ -70,9 +70,9 @@ impl Cyclic {
         }
         let (h, x) = (self.h(), p.m);
         p.m = [[0.0; 2]; 3];
-        for r in 0..2 {
-            for c in 0..2 {
-                p.m[r][c] = (0..size).map(|l| h.at(hi - 1 + r, top + l) * x[l][c]).sum();
+        for (r, row) in p.m.iter_mut().enumerate().take(2) {
+            for (c, out) in row.iter_mut().enumerate() {
+                *out = (0..size).map(|l| h.at(hi - 1 + r, top + l) * x[l][c]).sum();
             }
         }
         p.normalise();

@@ -7,7 +7,7 @@
 use super::dense::{Dense, Reflector};
 use faer::Mat;
 
-/// Square factors of the smallest size found, with the same eigenvalues but for zeros. The first is not always factor 0.
+/// Square factors of the smallest size found, with the same eigenvalues but for zeros; the first need not be factor 0.
 pub(super) fn stripped(factors: &[Mat<f64>]) -> Vec<Dense> {
     let count = factors.len();
     let mut kept: Vec<Vec<usize>> = factors.iter().map(|a| (0..a.ncols()).collect()).collect();

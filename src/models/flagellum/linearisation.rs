@@ -13,10 +13,10 @@
 //! where H = -d f_N / d Delta, C integrates from 0, and eps' is the sign of the doublet that is varied.
 
 use super::two_doublet::{EPS, Law, TwoDoublet};
+use crate::models::rod::{Variation, product, scaled_rows, times};
 use crate::problem::At;
-use faer::linalg::matmul::matmul;
 use faer::reborrow::ReborrowMut;
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::{Mat, MatMut};
 
 pub(super) fn fill(model: &TwoDoublet, at: At, mut gu: MatMut<'_, f64>, mut gv: MatMut<'_, f64>) {
     let basis = &model.basis;
@@ -42,29 +42,10 @@ pub(super) fn fill(model: &TwoDoublet, at: At, mut gu: MatMut<'_, f64>, mut gv: 
 
     for n in 0..2 {
         let traction = model.traction(EPS[n], &groups, (&psi[n], &psi_t[n]), (&distribution, &f_n));
-        let (s, c) = (&traction.sine, &traction.cosine);
-        let (beyond_x, beyond_y) = (model.beyond(&traction.g_x), model.beyond(&traction.g_y));
-
-        // [P_x P_y V_x V_y] = C [-sin B, cos B, -psi_t cos B, -psi_t sin B]
+        let (s, c) = (&traction.motion.sine, &traction.motion.cosine);
+        let (beyond_x, beyond_y) = (basis.beyond(&traction.g_x), basis.beyond(&traction.g_y));
         let moving = at.v.iter().any(|&v| v != 0.0);
-        let rate = &psi_t[n];
-        let factors: [Vec<f64>; 4] = [
-            s.iter().map(|s| -s).collect(),
-            c.clone(),
-            c.iter().zip(rate).map(|(c, v)| -c * v).collect(),
-            s.iter().zip(rate).map(|(s, v)| -s * v).collect(),
-        ];
-        let parts = if moving { 4 } else { 2 };
-        let mut integrand = Mat::zeros(m, parts * k);
-        for (part, factor) in factors.iter().enumerate().take(parts) {
-            for j in 0..k {
-                let column = integrand.col_as_slice_mut(part * k + j);
-                for ((out, f), b) in column.iter_mut().zip(factor).zip(b.col_as_slice(j)) {
-                    *out = f * b;
-                }
-            }
-        }
-        let moved = product(basis.integral.as_ref(), integrand.as_ref());
+        let varied = Variation::new(basis, &traction.motion, &psi_t[n], moving);
 
         // Rows 0..m along t, m..2m along n: left = W P, right = [bracket of G_u, bracket of G_v].
         let spread = groups.tau_n - groups.tau_t;
@@ -72,27 +53,22 @@ pub(super) fn fill(model: &TwoDoublet, at: At, mut gu: MatMut<'_, f64>, mut gv: 
         let on_n: Vec<f64> =
             (0..m).map(|i| -EPS[n] * groups.load * distribution[i] - spread * traction.v_t[i]).collect();
         let (mut left, mut right) = (Mat::zeros(2 * m, k), Mat::zeros(2 * m, 2 * k));
-        let turn = |x: &[f64], y: &[f64], out_t: &mut [f64], out_n: &mut [f64]| {
-            let trig = s.iter().zip(c);
-            for (((t, n), (x, y)), (s, c)) in out_t.iter_mut().zip(out_n).zip(x.iter().zip(y)).zip(trig) {
-                (*t, *n) = (c * x + s * y, c * y - s * x);
-            }
+        let scale = |out: &mut [f64], from: &[f64], factor: f64| {
+            out.iter_mut().zip(from).for_each(|(x, from)| *x = factor * from);
         };
-        let scale = |out: &mut [f64], factor: f64| out.iter_mut().for_each(|x| *x *= factor);
         for j in 0..k {
-            let (x, y) = (moved.col_as_slice(j), moved.col_as_slice(k + j));
-            let (p_t, p_n) = right.col_as_slice_mut(k + j).split_at_mut(m);
-            turn(x, y, p_t, p_n);
+            let (from_t, from_n) = varied.displacement.col_as_slice(j).split_at(m);
             let (left_t, left_n) = left.col_as_slice_mut(j).split_at_mut(m);
-            left_t.iter_mut().zip(w.iter().zip(&*p_t)).for_each(|(l, (w, p))| *l = w * p);
-            left_n.iter_mut().zip(w.iter().zip(&*p_n)).for_each(|(l, (w, p))| *l = w * p);
-            scale(p_t, groups.tau_t);
-            scale(p_n, groups.tau_n);
+            left_t.iter_mut().zip(w.iter().zip(from_t)).for_each(|(l, (w, p))| *l = w * p);
+            left_n.iter_mut().zip(w.iter().zip(from_n)).for_each(|(l, (w, p))| *l = w * p);
+            let (p_t, p_n) = right.col_as_slice_mut(k + j).split_at_mut(m);
+            scale(p_t, from_t, groups.tau_t);
+            scale(p_n, from_n, groups.tau_n);
             let (bracket_t, bracket_n) = right.col_as_slice_mut(j).split_at_mut(m);
-            if moving {
-                turn(moved.col_as_slice(2 * k + j), moved.col_as_slice(3 * k + j), bracket_t, bracket_n);
-                scale(bracket_t, groups.tau_t);
-                scale(bracket_n, groups.tau_n);
+            if let Some(velocity) = &varied.velocity {
+                let (from_t, from_n) = velocity.col_as_slice(j).split_at(m);
+                scale(bracket_t, from_t, groups.tau_t);
+                scale(bracket_n, from_n, groups.tau_n);
             }
             let b = b.col_as_slice(j);
             bracket_t.iter_mut().zip(on_t.iter().zip(b)).for_each(|(x, (f, b))| *x += f * b);
@@ -144,23 +120,8 @@ fn stiffness(model: &TwoDoublet, groups: &super::two_doublet::Groups<f64>, delta
             product(basis.integral.as_ref(), slope.as_ref())
         }
         Law::Separation => {
-            let h = super::two_doublet::times(&basis.integral, delta);
+            let h = times(&basis.integral, delta);
             scaled_rows(&basis.integrated_value, |i| groups.kappa_n + 3.0 * groups.kappa_3n * h[i] * h[i])
         }
     }
-}
-
-fn scaled_rows(a: &Mat<f64>, factor: impl Fn(usize) -> f64) -> Mat<f64> {
-    let factors: Vec<f64> = (0..a.nrows()).map(factor).collect();
-    let mut out = a.clone();
-    for j in 0..a.ncols() {
-        out.col_as_slice_mut(j).iter_mut().zip(&factors).for_each(|(o, f)| *o *= f);
-    }
-    out
-}
-
-fn product(a: MatRef<'_, f64>, b: MatRef<'_, f64>) -> Mat<f64> {
-    let mut out = Mat::zeros(a.nrows(), b.ncols());
-    matmul(out.as_mut(), Accum::Replace, a, b, 1.0, Par::Seq);
-    out
 }

@@ -1,7 +1,7 @@
 //! What is measured on a two-doublet motion.
 
-use super::basis::angles;
-use super::two_doublet::{EPS, Law, TwoDoublet, index, times};
+use super::two_doublet::{EPS, Law, TwoDoublet, index};
+use crate::models::rod::{line, times};
 use crate::problem::{At, Observable};
 
 pub(super) const LIST: &[Observable] = &[
@@ -34,8 +34,8 @@ pub(super) fn evaluate(model: &TwoDoublet, i: usize, at: At) -> f64 {
         3 => 0.5 * (u[0] + u[k]),
         4 => u[0],
         5 => u[k],
-        6 => largest(&u[..k]).max(largest(&u[k..])),
-        7 => largest(&u[..k].iter().zip(&u[k..]).map(|(a, b)| a - b).collect::<Vec<_>>()),
+        6 => model.basis.largest(&u[..k]).max(model.basis.largest(&u[k..])),
+        7 => model.basis.largest(&u[..k].iter().zip(&u[k..]).map(|(a, b)| a - b).collect::<Vec<_>>()),
         8 => energy(model, at),
         9 => base_tension(model, 0, at),
         10 => base_tension(model, 1, at),
@@ -46,35 +46,6 @@ pub(super) fn evaluate(model: &TwoDoublet, i: usize, at: At) -> f64 {
 /// int_0^1 sin psi dx.
 fn tip(model: &TwoDoublet, c: &[f64]) -> f64 {
     times(&model.basis.value, c).iter().zip(&model.basis.w).map(|(psi, w)| w * psi.sin()).sum()
-}
-
-/// The largest |sum c_k q_k(x)| on [0, 1]: best of a grid finer than the highest mode, then Newton-like refinement by
-/// the parabola through three points, whose error is far below that of the coefficients.
-fn largest(c: &[f64]) -> f64 {
-    let value = |x: f64| -> f64 { angles(c.len(), x).iter().zip(c).map(|(q, c)| q * c).sum::<f64>().abs() };
-    let cells = 6 * c.len();
-    let best = (0..=cells)
-        .map(|i| i as f64 / cells as f64)
-        .map(|x| (value(x), x))
-        .fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
-    let (mut top, mut x, mut h) = (best.0, best.1, 0.5 / cells as f64);
-    for _ in 0..4 {
-        if x - h < 0.0 || x + h > 1.0 {
-            break;
-        }
-        let (left, right) = (value(x - h), value(x + h));
-        let bend = left - 2.0 * top + right;
-        if bend >= 0.0 {
-            break;
-        }
-        let next = (x + (0.5 * h * (left - right) / bend).clamp(-h, h)).clamp(0.0, 1.0);
-        let at_next = value(next);
-        if at_next > top {
-            (top, x) = (at_next, next);
-        }
-        h *= 0.1;
-    }
-    top
 }
 
 /// Per EI/L: |c|²/2 for bending, then the springs.
@@ -112,25 +83,9 @@ fn base_tension(model: &TwoDoublet, n: usize, at: At) -> f64 {
 
 /// The mean of the two doublets' shapes at 101 points along them, in µm.
 pub(super) fn mean_line(model: &TwoDoublet, u: &[f64], p: &[f64]) -> Vec<[f64; 2]> {
-    const CELLS: usize = 100;
     let k = model.basis.functions;
-    let psi = |c: &[f64], q: &[f64]| -> f64 { c.iter().zip(q).map(|(c, q)| c * q).sum() };
-    // Simpson's rule on each cell: far below what a figure shows.
-    let tangent = |x: f64| -> [f64; 2] {
-        let q = angles(k, x);
-        let (a, b) = (psi(&u[..k], &q), psi(&u[k..], &q));
+    line(p[index::L], |x| {
+        let (a, b) = (model.basis.psi(&u[..k], x), model.basis.psi(&u[k..], x));
         [0.5 * (a.cos() + b.cos()), 0.5 * (a.sin() + b.sin())]
-    };
-    let step = 1.0 / CELLS as f64;
-    let mut line = vec![[0.0, 0.0]];
-    let mut at = [0.0, 0.0];
-    for i in 0..CELLS {
-        let x = i as f64 * step;
-        let [left, middle, right] = [tangent(x), tangent(x + 0.5 * step), tangent(x + step)];
-        for d in 0..2 {
-            at[d] += p[index::L] * step / 6.0 * (left[d] + 4.0 * middle[d] + right[d]);
-        }
-        line.push(at);
-    }
-    line
+    })
 }

@@ -20,23 +20,14 @@
 //! in the linearised (2.6) d-bar has L^4, c-bar a factor 1/2, and b sigma-bar stands for b sigma-bar / tau; as printed,
 //! (2.2) makes k_3N a pN µm^-2: `separation` is the law that fits its unit.
 
-use super::basis::Basis;
 use super::observables;
 use crate::linalg::Matrix;
+use crate::models::rod::{Basis, Load, Motion, finer, times};
 use crate::models::{ModelError, Options};
 use crate::problem::{
     At, Automatic, Bounds, Default, Formula, Observable, Parameter, Problem, Refinement, Reflection, Scalar,
 };
 use std::sync::Arc;
-
-/// How the dynein load varies along the doublets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Load {
-    /// D = 1.
-    Uniform,
-    /// D = 1 - exp(-s/s0).
-    Distal,
-}
 
 /// The cubic part of the inter-doublet normal force.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +40,7 @@ pub enum Law {
 
 pub struct TwoDoublet {
     pub(super) basis: Basis,
+    /// How the dynein load varies along the doublets.
     load: Load,
     pub(super) law: Law,
     parameters: Vec<Parameter>,
@@ -147,14 +139,7 @@ impl TwoDoublet {
 
     /// D(s) at the Gauss points.
     pub(super) fn distribution<S: Scalar>(&self, p: &[S]) -> Vec<S> {
-        let x = &self.basis.x;
-        match self.load {
-            Load::Uniform => vec![S::from(1.0); x.len()],
-            Load::Distal => {
-                let rate = p[index::L] / p[index::S0];
-                x.iter().map(|&x| S::from(1.0) - (-rate * x).exp()).collect()
-            }
-        }
+        self.load.profile(&self.basis.x, p.get(index::S0).map(|&s0| p[index::L] / s0))
     }
 
     /// The normal force f_N at the Gauss points, from Delta and Delta_t there.
@@ -194,8 +179,7 @@ impl TwoDoublet {
 
 /// What acts on one doublet, at the Gauss points, along t and n.
 pub(super) struct Traction<S> {
-    pub sine: Vec<S>,
-    pub cosine: Vec<S>,
+    pub motion: Motion<S>,
     pub v_t: Vec<S>,
     pub v_n: Vec<S>,
     /// The bracket of the weak form along x and y.
@@ -212,27 +196,18 @@ impl TwoDoublet {
         (psi, psi_t): (&[S], &[S]),
         (distribution, f_n): (&[S], &[S]),
     ) -> Traction<S> {
-        let (sine, cosine): (Vec<S>, Vec<S>) = psi.iter().map(|a| a.sin_cos()).unzip();
-        let along = |trig: &[S]| -> Vec<S> { psi_t.iter().zip(trig).map(|(&a, &b)| a * b).collect() };
-        let minus_v_x = times(&self.basis.integral, &along(&sine));
-        let v_y = times(&self.basis.integral, &along(&cosine));
+        let motion = Motion::new(&self.basis, psi, psi_t);
         let (mut v_t, mut v_n, mut g_x, mut g_y) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for i in 0..psi.len() {
-            let (s, c) = (sine[i], cosine[i]);
-            v_t.push(v_y[i] * s - minus_v_x[i] * c);
-            v_n.push(v_y[i] * c + minus_v_x[i] * s);
-            let along_t = g.tau_t * v_t[i] - g.load * distribution[i] * eps;
-            let along_n = g.tau_n * v_n[i] - f_n[i] * eps;
+            let ([tangential, normal], s, c) = (motion.resolved(i), motion.sine[i], motion.cosine[i]);
+            let along_t = g.tau_t * tangential - g.load * distribution[i] * eps;
+            let along_n = g.tau_n * normal - f_n[i] * eps;
+            v_t.push(tangential);
+            v_n.push(normal);
             g_x.push(along_t * c - along_n * s);
             g_y.push(along_t * s + along_n * c);
         }
-        Traction { sine, cosine, v_t, v_n, g_x, g_y }
-    }
-
-    /// `int_x^1 g dx'` tested: the discrete adjoint of `integral`, so that the Galerkin form stays symmetric.
-    pub(super) fn beyond<S: Scalar>(&self, g: &[S]) -> Vec<S> {
-        let weighted: Vec<S> = g.iter().zip(&self.basis.w).map(|(&g, &w)| g * w).collect();
-        times(&self.basis.integral_transposed, &weighted)
+        Traction { motion, v_t, v_n, g_x, g_y }
     }
 }
 
@@ -257,11 +232,8 @@ impl Formula for TwoDoublet {
         let k = self.basis.functions;
         for (n, out) in g.chunks_mut(k).enumerate() {
             let traction = self.traction(EPS[n], &groups, (&psi[n], &psi_t[n]), (&distribution, &f_n));
-            let (beyond_x, beyond_y) = (self.beyond(&traction.g_x), self.beyond(&traction.g_y));
-            let tested: Vec<S> = (0..self.basis.points)
-                .map(|i| traction.cosine[i] * beyond_y[i] - traction.sine[i] * beyond_x[i] - m[i] * self.basis.w[i])
-                .collect();
-            let projected = times(&self.basis.value_transposed, &tested);
+            let (beyond_x, beyond_y) = (self.basis.beyond(&traction.g_x), self.basis.beyond(&traction.g_y));
+            let projected = traction.motion.tested(&self.basis, [&beyond_x, &beyond_y], Some(&m));
             for i in 0..k {
                 out[i] = projected[i] + u[n * k + i];
             }
@@ -298,37 +270,8 @@ impl Formula for TwoDoublet {
         Some(observables::mean_line(self, u, p))
     }
 
-    /// Four more functions per doublet, two of each parity: convergence is spectral, so they take up most of what is
-    /// missing (measured: 84 % of the error of a beat's frequency at 40). Their coefficients start at zero.
     fn refined(&self) -> Option<Refinement> {
-        let coarse = self.basis.functions;
-        let fine = coarse + 4;
-        let prolong = move |u: &[f64]| {
-            let mut out = vec![0.0; 2 * fine];
-            for (n, part) in u.chunks(coarse).enumerate() {
-                out[n * fine..n * fine + coarse].copy_from_slice(part);
-            }
-            out
-        };
-        let problem = Arc::new(Automatic(Self::new(fine, self.load, self.law)));
-        Some(Refinement { problem, prolong: Box::new(prolong) })
+        let build = |more| Arc::new(Automatic(Self::new(more, self.load, self.law))) as Arc<dyn Problem>;
+        Some(finer(self.basis.functions, 2, build))
     }
-}
-
-/// Matrix times vector over any scalar: four contiguous columns at a time, so that the sums stay in registers.
-pub(super) fn times<S: Scalar>(a: &faer::Mat<f64>, x: &[S]) -> Vec<S> {
-    let mut y = vec![S::from(0.0); a.nrows()];
-    let blocks = x.chunks_exact(4);
-    let done = x.len() - blocks.remainder().len();
-    for (block, x) in blocks.enumerate() {
-        let [a0, a1, a2, a3] = [0, 1, 2, 3].map(|k| a.col_as_slice(4 * block + k));
-        let columns = a0.iter().zip(a1).zip(a2.iter().zip(a3));
-        for (y, ((&a0, &a1), (&a2, &a3))) in y.iter_mut().zip(columns) {
-            *y += (x[0] * a0 + x[1] * a1) + (x[2] * a2 + x[3] * a3);
-        }
-    }
-    for (j, &x) in x.iter().enumerate().skip(done) {
-        y.iter_mut().zip(a.col_as_slice(j)).for_each(|(y, &a)| *y += x * a);
-    }
-    y
 }

@@ -4,6 +4,7 @@ use super::formula::Text;
 use super::graph::{Code, Id};
 use super::index::values;
 use super::intern::intern;
+use super::linearisation::Linearisation;
 use super::rows::{self, Row};
 use super::scope::{Cell, Local, Scope, Symbol};
 use super::tape::Tape;
@@ -49,6 +50,7 @@ pub fn build(written: &Written) -> Result<Arc<Text>, TextError> {
         measures: measures.iter().map(|&id| tape(&[id])).collect(),
         observables,
         structure,
+        linearisation: Linearisation::new(&scope.graph, &rows),
         reflection: None,
         time_unit: intern(&written.time_unit),
         names: unknowns.names,

@@ -1,9 +1,10 @@
 //! A text as a [`Formula`].
 
 use super::graph::Graph;
+use super::linearisation::Linearisation;
 use super::rows::Row;
 use super::tape::Tape;
-use crate::linalg::Structure;
+use crate::linalg::{Matrix, Structure};
 use crate::problem::{At, Formula, Observable, Parameter, Reflection, Scalar};
 use std::sync::Arc;
 
@@ -17,6 +18,7 @@ pub struct Text {
     pub(super) measures: Vec<Tape>,
     pub(super) observables: Vec<Observable>,
     pub(super) structure: Structure,
+    pub(super) linearisation: Linearisation,
     pub(super) reflection: Option<Reflection>,
     pub(super) time_unit: &'static str,
     pub(super) start_names: Vec<String>,
@@ -35,6 +37,10 @@ impl Formula for Arc<Text> {
 
     fn residual<S: Scalar>(&self, u: &[S], v: &[S], p: &[S], g: &mut [S]) {
         self.residual.evaluate(u, v, p, g);
+    }
+
+    fn linearise(&self, at: At, gu: &mut Matrix, gv: &mut Matrix) {
+        self.linearisation.fill(&self.residual, at, gu, gv);
     }
 
     fn structure(&self) -> Structure {

@@ -17,6 +17,7 @@ mod formula;
 mod graph;
 mod index;
 mod intern;
+mod linearisation;
 mod rows;
 mod scope;
 mod symmetry;

@@ -31,6 +31,8 @@ pub enum Cell {
 struct Own<'a> {
     arguments: Vec<&'a str>,
     body: &'a Node,
+    /// Whether it is being worked out.
+    busy: bool,
 }
 
 pub struct Scope<'a> {
@@ -121,7 +123,7 @@ impl<'a> Scope<'a> {
             }
             names.push(argument);
         }
-        self.functions.insert(name, Own { arguments: names, body });
+        self.functions.insert(name, Own { arguments: names, body, busy: false });
         Ok(())
     }
 
@@ -176,7 +178,7 @@ impl<'a> Scope<'a> {
             let message = "expressions, definitions and functions are nested too deeply in each other";
             return Err(Wrong::new(at, message.to_owned()));
         }
-        if self.steps > 20 * MAX_VERTICES || self.graph.vertices.len() > MAX_VERTICES {
+        if self.steps > 5 * MAX_VERTICES || self.graph.vertices.len() > MAX_VERTICES {
             let message = format!("the equations hold more than {MAX_VERTICES} operations; choose a smaller size");
             return Err(Wrong::new(at, message));
         }
@@ -371,7 +373,7 @@ impl<'a> Scope<'a> {
     }
 
     fn apply(&mut self, name: &str, arguments: &[Node], Offset(at): Offset, local: Local<'_>) -> Result<Id, Wrong> {
-        let Some(own) = self.functions.get(name) else {
+        let Some(own) = self.functions.get_mut(name) else {
             if self.symbols.contains_key(name) {
                 return Err(Wrong::new(
                     at,
@@ -385,12 +387,24 @@ impl<'a> Scope<'a> {
             let message = format!("{name} takes {} arguments, but has {} here", own.arguments.len(), arguments.len());
             return Err(Wrong::new(at, message));
         }
+        if own.busy {
+            return Err(Wrong::new(at, format!("the function {name} is defined by itself")));
+        }
         let (names, body) = (own.arguments.clone(), own.body);
         let mut bound = Vec::with_capacity(names.len());
         for (name, argument) in names.into_iter().zip(arguments) {
             bound.push((name, self.build(argument, local)?));
         }
-        self.build(body, Local { indices: &[], arguments: &bound })
+        self.set_busy(name, true);
+        let value = self.build(body, Local { indices: &[], arguments: &bound })?;
+        self.set_busy(name, false);
+        Ok(value)
+    }
+
+    fn set_busy(&mut self, name: &str, busy: bool) {
+        if let Some(own) = self.functions.get_mut(name) {
+            own.busy = busy;
+        }
     }
 }
 

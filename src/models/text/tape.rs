@@ -8,8 +8,9 @@ use super::graph::{Code, Graph, Id, Vertex};
 use crate::expression::Function;
 use crate::problem::Scalar;
 
-/// Registers that fit on the stack; more are allocated with each evaluation.
-const SMALL: usize = 48;
+/// Tapes with so many registers are evaluated on the stack, step by step; larger ones allocate and go by runs.
+const SMALL: usize = 32;
+const MEDIUM: usize = 64;
 
 /// `len` registers from the next free one on become `code` of those from a and from b on; an operand that does not
 /// advance is one register for the whole run.
@@ -69,11 +70,13 @@ impl Tape {
         };
         let mut steps: Vec<Step> = Vec::new();
         let mut begin = (first + constants.len()) as u32;
+        let registers = begin as usize + operations.len();
         for &id in &operations {
             let Vertex::Operation(code, a, b) = graph.vertices[id as usize].vertex else { continue };
             let (a, b) = (of(a), of(b));
             let here = register[id as usize];
-            if let Some(last) = steps.last_mut()
+            if registers > MEDIUM
+                && let Some(last) = steps.last_mut()
                 && last.join(code, (a, b), begin)
             {
                 continue;
@@ -86,7 +89,7 @@ impl Tape {
             order: order.to_vec(),
             parameters,
             constants: constants.iter().filter_map(|&id| graph.value(id)).collect(),
-            registers: first + constants.len() + operations.len(),
+            registers,
             steps,
             outputs: outputs.iter().map(|&id| of(id)).collect(),
         }
@@ -94,14 +97,34 @@ impl Tape {
 
     /// The outputs at (u, v, p).
     pub fn evaluate<S: Scalar>(&self, u: &[S], v: &[S], p: &[S], out: &mut [S]) {
-        if self.registers <= SMALL {
-            self.evaluate_in(&mut [S::from(0.0); SMALL], (u, v, p), out);
-        } else {
-            self.evaluate_in(&mut vec![S::from(0.0); self.registers], (u, v, p), out);
+        match self.registers {
+            ..=SMALL => self.evaluate_small::<S, SMALL>((u, v, p), out),
+            ..=MEDIUM => self.evaluate_small::<S, MEDIUM>((u, v, p), out),
+            _ => self.evaluate_large((u, v, p), out),
         }
     }
 
-    fn evaluate_in<S: Scalar>(&self, r: &mut [S], (u, v, p): (&[S], &[S], &[S]), out: &mut [S]) {
+    /// Up to N registers, a power of two: positions are taken modulo N, which changes none and spares all checks.
+    fn evaluate_small<S: Scalar, const N: usize>(&self, (u, v, p): (&[S], &[S], &[S]), out: &mut [S]) {
+        let mut r = [S::from(0.0); N];
+        let mut next = 0;
+        let mut push = |r: &mut [S; N], value: S| {
+            r[next % N] = value;
+            next += 1;
+        };
+        self.order.iter().for_each(|&i| push(&mut r, u[i as usize]));
+        self.order.iter().for_each(|&i| push(&mut r, v[i as usize]));
+        p.iter().for_each(|&p| push(&mut r, p));
+        self.constants.iter().for_each(|&value| push(&mut r, S::from(value)));
+        for step in &self.steps {
+            let (a, b) = (r[step.a as usize % N], r[step.b as usize % N]);
+            push(&mut r, apply(step.code, a, b));
+        }
+        out.iter_mut().zip(&self.outputs).for_each(|(out, &at)| *out = r[at as usize % N]);
+    }
+
+    fn evaluate_large<S: Scalar>(&self, (u, v, p): (&[S], &[S], &[S]), out: &mut [S]) {
+        let r = &mut vec![S::from(0.0); self.registers][..];
         let n = self.order.len();
         let (unknowns, rest) = r.split_at_mut(n);
         let (rates, rest) = rest.split_at_mut(n);
@@ -184,11 +207,26 @@ fn apply<S: Scalar>(code: Code, a: S, b: S) -> S {
         Code::Multiply => a * b,
         Code::Divide => a / b,
         Code::Negate => -a,
-        Code::Power => a.powd(b),
-        Code::RealPower => a.powf(b.re()),
-        Code::Call(Function::Sqrt) => a.sqrt(),
-        Code::Call(function) => function.apply(a),
+        Code::Power => power(a, b),
+        Code::RealPower => real_power(a, b),
+        Code::Call(function) => call(function, a),
     }
+}
+
+#[inline(never)]
+fn power<S: Scalar>(a: S, b: S) -> S {
+    a.powd(b)
+}
+
+#[inline(never)]
+fn real_power<S: Scalar>(a: S, b: S) -> S {
+    a.powf(b.re())
+}
+
+/// Apart from the frequent operations, which stay short without it.
+#[inline(never)]
+fn call<S: Scalar>(function: Function, a: S) -> S {
+    function.apply(a)
 }
 
 /// The vertices that the outputs are made of, in order.

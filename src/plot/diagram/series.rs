@@ -118,7 +118,10 @@ impl Series<'_> {
         let mut turns = vec![false; self.branch.rows.len()];
         for mark in marker::marks(self.branch) {
             if let Some(turn) = turns.get_mut(mark.row)
-                && matches!(mark.kind, Kind::HB | Kind::LP | Kind::GH)
+                && matches!(
+                    mark.kind,
+                    Kind::HB | Kind::LP | Kind::GH | Kind::LPC | Kind::PD | Kind::NS | Kind::BPC | Kind::GPD | Kind::CH
+                )
             {
                 *turn = true;
             }
@@ -127,7 +130,7 @@ impl Series<'_> {
     }
 
     fn stability_at(&self, row: usize) -> Stability {
-        if self.branch.kind == BranchKind::FoldCurve {
+        if matches!(self.branch.kind, BranchKind::FoldCurve | BranchKind::LpcCurve) {
             return Stability::Neither;
         }
         match self.branch.rows.get(row).and_then(|r| r.stable) {

@@ -71,7 +71,7 @@ impl Spectrum {
         }
         for mark in marker::marks(branch) {
             match mark.kind {
-                Kind::HB => {
+                Kind::HB | Kind::KC => {
                     let place = branch.rows.get(mark.row).and_then(|row| value(row, x));
                     self.hopf.extend(place.map(|x| (x, mark.label)));
                 }

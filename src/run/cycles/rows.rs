@@ -5,6 +5,7 @@ use super::super::outcome::labels;
 use super::super::study::Prepared;
 use super::super::wave;
 use super::Cycles;
+use super::special::Special;
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Border, Counts, Factored, Point, System};
 use crate::orbit::{Collocation, Frame, Multipliers, Orbit, Stability};
@@ -24,10 +25,17 @@ pub struct Pending {
     /// Where they are asked for and could be found.
     pub multipliers: Option<Multipliers>,
     pub kind: Option<Kind>,
+    pub special: Special,
 }
 
 impl Pending {
-    pub fn new(system: &Collocation, point: &Point, multipliers: Option<Multipliers>, kind: Option<Kind>) -> Self {
+    pub fn new(
+        system: &Collocation,
+        point: &Point,
+        multipliers: Option<Multipliers>,
+        kind: Option<Kind>,
+        special: Special,
+    ) -> Self {
         Self {
             lambda: point.lambda,
             tangent_lambda: point.tangent_lambda,
@@ -36,6 +44,7 @@ impl Pending {
             frame: system.frame.clone(),
             multipliers,
             kind,
+            special,
         }
     }
 }
@@ -127,7 +136,14 @@ impl Cycles<'_> {
         }
         if self.task.along.errors {
             let fine = self.refined(frame, orbit, *lambda);
-            let errors = measured.iter().enumerate().map(|(k, &value)| fine.as_ref().map(|fine| error(value, fine[k])));
+            let known = |k: usize| {
+                let name = &self.branch.columns[k + 1].name;
+                point.special.errors.iter().find(|(known, _)| known == name).map(|(_, error)| *error)
+            };
+            let errors = measured
+                .iter()
+                .enumerate()
+                .map(|(k, &value)| known(k).or(fine.as_ref().map(|fine| error(value, fine[k]))));
             values.extend(errors);
         }
         let stable = found.map(Multipliers::verdict).and_then(|verdict| match verdict {
@@ -153,18 +169,24 @@ impl Cycles<'_> {
                 None => values.insert(column.name.clone(), value),
             };
         }
+        let Special { values: own, errors: sure, cosine } = &point.special;
+        values.extend(own.iter().map(|(name, value)| ((*name).to_owned(), *value)));
+        let sure = sure.iter().filter(|(_, error)| error.is_finite());
+        errors.extend(sure.map(|(name, error)| (name.clone(), *error)));
         let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
         let nodes =
             |orbit: &Orbit| Array { shape: vec![orbit.nodes.len() / orbit.dim, orbit.dim], data: orbit.nodes.clone() };
-        let arrays = BTreeMap::from([
+        let mut arrays = BTreeMap::from([
             ("state".to_owned(), nodes(orbit)),
             ("tangent".to_owned(), nodes(tangent)),
             ("tangent_part_lambda".to_owned(), vector(vec![tangent.part, point.tangent_lambda])),
             ("mesh".to_owned(), vector(orbit.mesh.clone())),
             ("degree_parts".to_owned(), vector(vec![orbit.degree as f64, orbit.parts as f64])),
             ("part".to_owned(), vector(vec![orbit.part])),
+            ("gauss_free".to_owned(), vector(vec![f64::from(u8::from(self.task.gauss)), frame.free as f64])),
             ("parameters".to_owned(), vector(resolved.clone())),
         ]);
+        arrays.extend(cosine.map(|cosine| ("critical".to_owned(), vector(vec![cosine]))));
         let (short, label) = labels(&self.branch, kind);
         let list = self.prepared.problem.parameters();
         let parameters = list.iter().zip(&resolved).map(|(q, &x)| (q.name.to_owned(), x)).collect();
@@ -200,7 +222,14 @@ impl Cycles<'_> {
     }
 }
 
-fn measure(problem: &dyn Problem, observables: &[usize], orbit: &Orbit, symmetry: &Reflection, p: &[f64]) -> Vec<f64> {
+/// Period, frequency, and the largest and smallest value of each observable.
+pub fn measure(
+    problem: &dyn Problem,
+    observables: &[usize],
+    orbit: &Orbit,
+    symmetry: &Reflection,
+    p: &[f64],
+) -> Vec<f64> {
     let mut values = vec![orbit.period(), 1.0 / orbit.period()];
     for &i in observables {
         let extremes = orbit.extremes(problem, i, p, symmetry);

@@ -4,7 +4,7 @@ use super::super::study::Prepared;
 use crate::bifurcation::{BranchPoint, Equilibria, Fold, Hopf, HopfNormalForm, Mark, Sample, Spectra, Tangent, scales};
 use crate::branch::{Array, SpecialPoint};
 use crate::continuation::{Border, Counts, Point, correct};
-use crate::linalg::c64;
+use crate::linalg::{c64, growth};
 use crate::problem::{At, Problem};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
@@ -27,7 +27,7 @@ pub fn describe(
     let p = prepared.problem.resolve(&system.parameters(sample.point.lambda));
     let names = prepared.problem.parameters().iter();
     special.parameters = names.zip(&p).map(|(q, &x)| (q.name.to_owned(), x)).collect();
-    special.values = measure(prepared, system, &sample.point, sample.values.first().copied());
+    special.values = measure(prepared, system, &sample.point, known(sample));
     let arrays = &mut special.arrays;
     let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
     arrays.insert("state".to_owned(), vector(sample.point.x.clone()));
@@ -59,6 +59,14 @@ pub fn describe(
     if let Some(q) = mode {
         arrays.insert("q_re".to_owned(), vector(q.iter().map(|z| z.re).collect()));
         arrays.insert("q_im".to_owned(), vector(q.iter().map(|z| z.im).collect()));
+    }
+}
+
+/// The leading eigenvalue, or that of two pairs that meet, which rounding splits.
+fn known(sample: &Sample) -> Option<c64> {
+    match sample.mark {
+        Some(Mark::Exceptional(mean)) if mean.im > 0.0 => Some(c64::new(growth(mean), mean.im)),
+        _ => sample.values.first().copied(),
     }
 }
 
@@ -131,8 +139,9 @@ pub fn estimate(
         }
         Some(Mark::Exceptional(mean)) => {
             let (Some(a), Some(b), Some(tool)) = (neighbours.0, neighbours.1, spectra) else { return };
-            let Some(lambda) = tool.exceptional_on(&fine, (a, sample, b), settle, *mean) else { return };
-            (Some(coordinate.value(lambda)), BTreeMap::new())
+            let Some((lambda, mean)) = tool.exceptional_on(&fine, (a, sample, b), settle, *mean) else { return };
+            let met = (mean.im > 0.0).then(|| measure(prepared, system, &sample.point, Some(mean)));
+            (Some(coordinate.value(lambda)), met.unwrap_or_default())
         }
         Some(Mark::Fold(Some(fold))) => {
             let start = (&(refined.prolong)(&fold.u)[..], &fold.p[..]);

@@ -12,6 +12,7 @@ use super::wave;
 use crate::bifurcation::{Equilibria, Mark, Sample, Spectra, branch_points, folds, leading};
 use crate::branch::{Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Counts, Point, Stop};
+use crate::linalg::{c64, growth};
 use crate::problem::Problem;
 use crate::scene;
 use begin::{BeginError, begin};
@@ -148,6 +149,7 @@ fn kind(mark: &Mark) -> Kind {
         Mark::Fold(_) => Kind::LP,
         Mark::Branch(_) => Kind::BP,
         Mark::Hopf(_) => Kind::HB,
+        Mark::Exceptional(mean) if mean.im > 0.0 && growth(*mean) == 0.0 => Kind::KC,
         Mark::Exceptional(_) => Kind::XP,
     }
 }
@@ -176,8 +178,10 @@ fn rows(prepared: &Prepared, system: &Equilibria, task: &scene::Equilibria, samp
         for &k in &shown {
             values.extend([Some(sample.followed[k].re), Some(sample.followed[k].im)]);
         }
-        let on_axis = matches!(sample.mark, Some(Mark::Hopf(_) | Mark::Branch(_) | Mark::Fold(_)));
-        let stable = sample.values.first().filter(|_| !on_axis).map(|sigma| sigma.re < 0.0);
+        let on_axis = matches!(sample.mark.as_ref().map(kind), Some(Kind::HB | Kind::KC | Kind::BP | Kind::LP));
+        // Undamped oscillations do not grow.
+        let bounded = |sigma: &c64| growth(*sigma) < 0.0 || growth(*sigma) == 0.0 && sigma.im != 0.0;
+        let stable = sample.values.first().filter(|_| !on_axis).map(bounded);
         branch.rows.push(Row { label: None, stable, values });
     }
 }

@@ -130,7 +130,7 @@ fn a_scene_is_read_in_full() {
     assert_eq!((straight.along.max_step, straight.along.max_points, straight.along.errors), (None, 1000, true));
     let TaskKind::Cycles(beat) = &beat.kind else { panic!("cycles") };
     assert_eq!((beat.from.as_str(), beat.from_at.line), ("straight/HB1", Some(26)));
-    assert_eq!((beat.intervals, beat.degree, beat.multipliers, beat.symmetry), (30, 5, 6, false));
+    assert_eq!((beat.intervals, beat.degree, beat.multipliers, beat.symmetry), (Some(30), 5, 6, false));
     let along = &beat.along;
     assert_eq!((along.range.from, along.range.to), (0.0, 420.0));
     assert_eq!(along.values["p"], [340.0, 360.5]);
@@ -155,7 +155,7 @@ fn what_is_left_out_has_defaults() {
         GOOD.replace("intervals = 30\ndegree = 5\nmultipliers = true\nsymmetry = \"none\"\n", "multipliers = 3\n");
     let scene = parse(&text, &[]).expect("valid");
     let Some(TaskKind::Cycles(beat)) = scene.tasks.get(1).map(|task| &task.kind) else { panic!("cycles") };
-    assert_eq!((beat.intervals, beat.degree, beat.multipliers, beat.symmetry), (20, 4, 3, true));
+    assert_eq!((beat.intervals, beat.degree, beat.multipliers, beat.symmetry), (None, 4, 3, true));
 }
 
 #[test]

@@ -81,12 +81,12 @@ fn wrong_shapes_are_refused() {
     for (text, expected) in [
         (
             "",
-            "problems/good.toml: the section [model] is missing; add [model] with name = \"MODEL\" (`hopfline models` lists them)",
+            "problems/good.toml: the section [model] is missing; add [model] with name = \"MODEL\" (`hopfline models` lists them) or with equations = \"x' = ...\"",
         ),
         ("model = 3", "problems/good.toml:1: model: must be a section, [model], but is the whole number 3"),
         (
             "[model]",
-            "problems/good.toml:1: model: the key \"name\" is missing; add name = \"MODEL\" (`hopfline models` lists them)",
+            "problems/good.toml:1: model: the key \"name\" is missing; add name = \"MODEL\" (`hopfline models` lists them), or equations = \"x' = ...\"",
         ),
         (
             "[model]\nname = \"m\"\n[task]\nname = \"a\"",

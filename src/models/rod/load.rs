@@ -1,0 +1,22 @@
+//! How a distributed load varies along a rod.
+
+use crate::problem::Scalar;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Load {
+    /// D = 1.
+    Uniform,
+    /// D = 1 - exp(-s/s0).
+    Distal,
+}
+
+impl Load {
+    /// D at the points x = s/L; `rate` is L/s0 where there is an s0.
+    pub fn profile<S: Scalar>(self, x: &[f64], rate: Option<S>) -> Vec<S> {
+        let one = S::from(1.0);
+        match rate.filter(|_| self == Load::Distal) {
+            Some(rate) => x.iter().map(|&x| one - (-rate * x).exp()).collect(),
+            None => vec![one; x.len()],
+        }
+    }
+}

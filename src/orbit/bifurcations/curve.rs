@@ -1,0 +1,261 @@
+//! Curves of critical cycles in two parameters: folds, flips (period doublings) and torus bifurcations.
+//!
+//! The extended system of [`CriticalCycle`] with x = (nodes, P, [cos(theta)], z1) and lambda = z2. It is regular through
+//! cusps and strong resonances: at cos(theta) = ±1 a torus curve goes on as one of neutral saddles. The mesh follows the
+//! orbit, and borders the null vectors, from step to step.
+
+use super::signs::{flip, torus};
+use super::{Critical, CriticalCycle, CriticalFactors, CycleNormalForm, Place};
+use crate::bifurcation::Coordinate;
+use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, at_lambda, correct, crossing, inner};
+use crate::linalg::{Singular, c64};
+use crate::orbit::{Collocation, Orbit, Transitions, multipliers};
+use std::sync::{Arc, Mutex};
+
+/// What was factored last: Newton's method asks for residual and factors at the same points.
+type Cache = Arc<Mutex<Option<(Vec<f64>, Arc<Place>)>>>;
+
+/// The system of a curve.
+#[derive(Clone)]
+pub struct CycleCurve {
+    /// In two coordinates.
+    pub cycle: CriticalCycle,
+    cache: Cache,
+}
+
+impl CycleCurve {
+    /// The system near a critical cycle, and the point of the curve there, with a tangent along which z2 does not fall.
+    pub fn start(
+        system: &Collocation,
+        (orbit, p): (&Orbit, &[f64]),
+        (kind, cosine): (Critical, f64),
+        (first, second): (Coordinate, Coordinate),
+        counts: &mut Counts,
+    ) -> Result<(Self, Point), Failure> {
+        let (cycle, mut x) = CriticalCycle::new(system, (orbit, p), (kind, cosine), &[first, second])?;
+        let lambda = x.pop().ok_or(Singular)?;
+        let curve = Self { cycle, cache: Cache::default() };
+        let last = x.len() - 1;
+        // A border across the curve is not known: one of its unknowns may be held, best the one along which it runs.
+        let mut best: Option<Corrected<CriticalFactors>> = None;
+        for along_first in [false, true] {
+            let mut border = Border { row: vec![0.0; x.len()], lambda: 0.0 };
+            if along_first {
+                border.row[last] = 1.0 / first.width;
+            } else {
+                border.lambda = 1.0 / second.width;
+            }
+            let Ok(found) = correct(&curve, (x.clone(), lambda), &border, counts) else { continue };
+            let steep = if along_first {
+                found.point.tangent[last] / first.width
+            } else {
+                found.point.tangent_lambda / second.width
+            };
+            if best.is_none() || steep.abs() > 0.5 {
+                best = Some(found);
+            }
+        }
+        let mut point = best.ok_or(Failure::Singular(Singular))?.point;
+        if point.tangent_lambda < 0.0 || point.tangent_lambda == 0.0 && point.tangent[last] < 0.0 {
+            crate::bifurcation::reverse(&mut point);
+        }
+        Ok((curve, point))
+    }
+
+    /// The unknowns of [`CriticalCycle`].
+    pub fn unknowns(point: &Point) -> Vec<f64> {
+        point.x.iter().copied().chain([point.lambda]).collect()
+    }
+
+    fn place(&self, x: &[f64], lambda: f64) -> Result<Arc<Place>, Singular> {
+        let x: Vec<f64> = x.iter().copied().chain([lambda]).collect();
+        let mut cache = self.cache.lock().map_err(|_| Singular)?;
+        if let Some((known, place)) = &*cache
+            && *known == x
+        {
+            return Ok(place.clone());
+        }
+        let place = Arc::new(self.cycle.place(&x)?);
+        *cache = Some((x, place.clone()));
+        Ok(place)
+    }
+
+    /// z1 and z2.
+    pub fn coordinates(&self, point: &Point) -> [f64; 2] {
+        [point.x[point.x.len() - 1], point.lambda]
+    }
+
+    pub fn parameters(&self, point: &Point) -> Vec<f64> {
+        self.cycle.parameters(&Self::unknowns(point))
+    }
+
+    pub fn orbit(&self, point: &Point) -> Orbit {
+        self.cycle.orbit(&Self::unknowns(point))
+    }
+
+    /// cos(theta) of a torus bifurcation.
+    pub fn cosine(&self, point: &Point) -> Option<f64> {
+        self.cycle.cosine(&Self::unknowns(point))
+    }
+
+    pub fn normal_form(&self, point: &Point) -> Result<CycleNormalForm, Singular> {
+        CycleNormalForm::new(&self.cycle, &Self::unknowns(point))
+    }
+
+    fn fold(&self, point: &Point) -> Result<f64, Singular> {
+        self.place(&point.x, point.lambda)?.fold(&self.multipliers(point)?)
+    }
+
+    /// Multipliers over the computed part, the trivial one left out.
+    pub fn multipliers(&self, point: &Point) -> Result<Vec<c64>, Singular> {
+        let place = self.place(&point.x, point.lambda)?;
+        let transitions = Transitions::new(&place.linear.condensed.intervals())?;
+        Ok(multipliers(&transitions, place.linear.symmetry(), 1, None).map_err(|_| Singular)?.values)
+    }
+}
+
+impl System for CycleCurve {
+    type Factors = CriticalFactors;
+
+    fn residual(&self, x: &[f64], lambda: f64, r: &mut [f64]) {
+        // A singular bordered matrix has no scalar: the residual then is not a number, and the step fails.
+        match self.place(x, lambda) {
+            Ok(place) => r.copy_from_slice(&self.cycle.residual(x, &place)),
+            Err(Singular) => r.fill(f64::NAN),
+        }
+    }
+
+    fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<CriticalFactors, Singular> {
+        let place = self.place(x, lambda)?;
+        let row: Vec<f64> = border.row.iter().copied().chain([border.lambda]).collect();
+        let unknowns: Vec<f64> = x.iter().copied().chain([lambda]).collect();
+        CriticalFactors::new(&self.cycle, place, &unknowns, &[&row])
+    }
+
+    fn dual(&self, t: &[f64]) -> Vec<f64> {
+        let inner = t.len() - 1;
+        let orbital = inner - usize::from(self.cycle.kind == Critical::Torus);
+        let mut row = self.cycle.system.dual(&t[..orbital]);
+        row.extend(&t[orbital..inner]);
+        row.push(t[inner] / self.cycle.coordinates[0].width.powi(2));
+        row
+    }
+
+    fn dual_lambda(&self) -> f64 {
+        self.cycle.coordinates[1].width.powi(-2)
+    }
+
+    /// Moves the mesh, takes the point as phase reference and the null vectors as borders.
+    fn prepare(&mut self, point: &mut Point) -> bool {
+        let before = self.orbit(point);
+        let orbital = before.nodes.len() - before.dim + 1;
+        let mut inner_point = Point {
+            x: point.x[..orbital].to_vec(),
+            tangent: point.tangent[..orbital].to_vec(),
+            lambda: 0.0,
+            tangent_lambda: 0.0,
+        };
+        let moved = self.cycle.system.prepare(&mut inner_point);
+        if moved {
+            point.x.splice(..orbital, inner_point.x);
+            point.tangent.splice(..orbital, inner_point.tangent);
+            self.cycle.borders = self.cycle.borders.interpolated(&before, &self.cycle.system.mesh, before.degree);
+        }
+        self.cache = Cache::default();
+        // Old borders serve where new ones cannot be had.
+        let _ = self.cycle.follow(&Self::unknowns(point));
+        let length = inner(self, (&point.tangent, point.tangent_lambda), (&point.tangent, point.tangent_lambda)).sqrt();
+        if length > 0.0 {
+            point.tangent.iter_mut().for_each(|t| *t /= length);
+            point.tangent_lambda /= length;
+        }
+        moved
+    }
+}
+
+/// One step: its two ends, and the curve with the mesh and the borders that were in force.
+#[derive(Clone)]
+pub struct CycleSegment {
+    pub curve: CycleCurve,
+    pub from: Point,
+    pub to: Point,
+}
+
+/// A function along the curve whose zero is looked for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CycleTest {
+    /// The first (0) or second (1) coordinate takes a value.
+    Value(usize, f64),
+    /// The normal form's coefficient vanishes (its numerator; of a torus the real part): a cusp of cycles, a generalised
+    /// period doubling, a Chenciner point.
+    Degenerate,
+    /// `g(G_v v)` vanishes: the critical multiplier is double. Resonance 1:1 on folds, 1:2 on flips.
+    Double,
+    /// cos(theta) takes a value: strong resonances on torus curves.
+    Cosine(f64),
+    /// Another multiplier is +1 (on flips and tori), -1 (on folds and tori), on the circle (on folds and flips).
+    Fold,
+    Flip,
+    Torus,
+}
+
+/// A function that changes sign at a pole does not come this close to zero, in parts of its values at the ends.
+const SMALL: f64 = 1e-5;
+
+impl CycleSegment {
+    /// What is looked for on a curve, besides values.
+    pub fn tests(kind: Critical) -> &'static [CycleTest] {
+        match kind {
+            Critical::Fold => &[CycleTest::Degenerate, CycleTest::Double, CycleTest::Flip, CycleTest::Torus],
+            Critical::Flip => &[CycleTest::Degenerate, CycleTest::Double, CycleTest::Fold, CycleTest::Torus],
+            Critical::Torus => &[
+                CycleTest::Degenerate,
+                CycleTest::Cosine(1.0),
+                CycleTest::Cosine(-1.0),
+                CycleTest::Cosine(-0.5),
+                CycleTest::Cosine(0.0),
+                CycleTest::Fold,
+                CycleTest::Flip,
+            ],
+        }
+    }
+
+    /// The test's value at a point; not a number where it does not exist.
+    pub fn value(&self, test: CycleTest, point: &Point) -> f64 {
+        let form =
+            |part: fn(&CycleNormalForm) -> f64| self.curve.normal_form(point).map_or(f64::NAN, |form| part(&form));
+        match test {
+            CycleTest::Value(k, goal) => self.curve.coordinates(point)[k] - goal,
+            CycleTest::Degenerate if self.curve.cycle.kind == Critical::Torus => {
+                let inside = self.curve.cosine(point).is_some_and(|c| c.abs() < 1.0);
+                if inside { form(|form| form.coefficient.re) } else { f64::NAN }
+            }
+            CycleTest::Degenerate => form(|form| form.top.re),
+            CycleTest::Double => form(|form| form.bottom.re),
+            CycleTest::Cosine(goal) => self.curve.cosine(point).map_or(f64::NAN, |c| c - goal),
+            CycleTest::Fold => self.curve.fold(point).unwrap_or(f64::NAN),
+            CycleTest::Flip => self.curve.multipliers(point).map_or(f64::NAN, |nu| flip(&nu)),
+            CycleTest::Torus => self.curve.multipliers(point).map_or(f64::NAN, |nu| torus(&nu).0),
+        }
+    }
+
+    /// Where the test vanishes, if it changes sign; `Ok(None)` if it does not, or only through a pole or at a neutral
+    /// saddle.
+    pub fn locate(&self, test: CycleTest, counts: &mut Counts) -> Result<Option<Point>, Failure> {
+        let ends = (&self.from, &self.to);
+        let (a, b) = (self.value(test, &self.from), self.value(test, &self.to));
+        if !(a * b < 0.0 || b == 0.0) {
+            return Ok(None);
+        }
+        if let CycleTest::Value(1, goal) = test {
+            return Ok(Some(at_lambda(&self.curve, ends, goal, counts)?.point));
+        }
+        let found = crossing(&self.curve, ends, &|point: &Point| self.value(test, point), counts)?;
+        let small = self.value(test, &found).abs() <= SMALL * a.abs().max(b.abs());
+        let complex = test != CycleTest::Torus || {
+            let nu = self.curve.multipliers(&found)?;
+            torus(&nu).1.is_some_and(|(i, j)| nu[i].im != 0.0 && nu[i] == nu[j].conj())
+        };
+        Ok((small && complex).then_some(found))
+    }
+}
