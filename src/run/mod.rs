@@ -11,9 +11,11 @@ mod files;
 mod fold_curve;
 mod hopf_curve;
 mod hopf_surface;
+mod import;
 mod map;
 mod outcome;
 mod plan;
+mod recorded;
 mod resume;
 mod start;
 mod stored_cycle;
@@ -26,6 +28,7 @@ mod written;
 
 pub use describe::{models, one_model};
 pub use figures::redraw;
+pub use import::import;
 pub use plan::plan;
 pub use summary::{Expected, Summary};
 pub use template::template;
@@ -40,7 +43,7 @@ use files::Folder;
 use outcome::{Outcome, Status};
 use resume::Keeper;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use study::{Prepared, Study};
 use thiserror::Error;
@@ -139,12 +142,13 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
         let diagrams = ready.tasks.iter().filter(|(task, _)| matches!(task.kind, TaskKind::Diagram(_)));
         diagrams.for_each(|(task, _)| folder.clear_parts(&task.name));
     }
+    let home = scene.path.parent().unwrap_or(Path::new(""));
     let mut outcomes: Vec<Outcome> = Vec::new();
     for (task, prepared) in &ready.tasks {
         watch.task(&task.name);
         let found = match keeper.finished(&task.name) {
             Some(found) => found,
-            None => perform(task, prepared, &outcomes, &keeper, &watch),
+            None => perform((task, home), prepared, &outcomes, &keeper, &watch),
         };
         if found.iter().all(|outcome| outcome.status == Status::Done) {
             keeper.finish(&task.name, &found);
@@ -173,7 +177,14 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
     Ok(summary)
 }
 
-fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper, watch: &Watch) -> Vec<Outcome> {
+/// `home` is the scene's folder, in which it may name files.
+fn perform(
+    (task, home): (&Task, &Path),
+    prepared: &Prepared,
+    before: &[Outcome],
+    keeper: &Keeper,
+    watch: &Watch,
+) -> Vec<Outcome> {
     let points = || before.iter().flat_map(|outcome| &outcome.branch.points);
     let source = |label: &str| {
         points().find(|point| point.label == label).ok_or_else(|| {
@@ -193,6 +204,13 @@ fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper
             }
             Err(reason) => Outcome::failed(equilibria::empty(&task.name, equilibria), reason),
         },
+        TaskKind::Cycles(cycles) if crate::scene::is_file(&cycles.from) => {
+            let mesh = (cycles.intervals.unwrap_or(cycles::INTERVALS), cycles.degree);
+            match recorded::cycle(&home.join(&cycles.from), &cycles.from, prepared, mesh) {
+                Ok(from) => cycles::run(prepared, &task.name, cycles, &from, keeper, watch),
+                Err(error) => Outcome::failed(cycles::empty(prepared, &task.name, cycles), error.to_string()),
+            }
+        }
         TaskKind::Diagram(wanted) => return diagram::run(prepared, &task.name, wanted, keeper, watch),
         TaskKind::Cycles(cycles) => match source(&cycles.from) {
             Ok(from) => cycles::run(prepared, &task.name, cycles, from, keeper, watch),

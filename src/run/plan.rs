@@ -1,6 +1,7 @@
 //! `hopfline check`: what would be computed, what is left out, and why.
 
 use super::{RunError, ready};
+use crate::linalg::Structure;
 use crate::scene::{Scene, TaskKind};
 use std::fmt::Write;
 
@@ -9,7 +10,13 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
     let ready = ready(scene, &[])?;
     let mut out = String::new();
     let _ = writeln!(out, "{}: {}", ready.scene.path.display(), ready.scene.title);
-    let _ = writeln!(out, "model {} with {} unknowns", scene.model.name, ready.study.dim());
+    let name = if scene.model.text.is_some() { "written in the scene," } else { &scene.model.name };
+    let bands = match ready.study.structure() {
+        Structure::Dense => String::new(),
+        Structure::Banded { lower, upper } => format!(", each coupled to {lower} before and {upper} after it"),
+        Structure::Sparse(pattern) => format!(", coupled by {} entries", pattern.entries()),
+    };
+    let _ = writeln!(out, "model {name} with {} unknowns{bands}", ready.study.dim());
     let parameters = ready.study.parameters();
     for (name, value, unit, tie) in &parameters {
         let tie = tie.as_ref().map_or(String::new(), |tie| format!("  = {tie}"));
@@ -132,9 +139,8 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
             }
         }
         let of_cycles = matches!(task.kind, TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_));
-        let of_equilibria =
-            matches!(task.kind, TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::FoldCurve(_));
-        if of_cycles || of_equilibria || matches!(task.kind, TaskKind::Cycles(_)) {
+        let of_states = matches!(task.kind, TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::FoldCurve(_));
+        if of_cycles || of_states || matches!(task.kind, TaskKind::Cycles(_)) {
             let list = ready.study.observables();
             let wanted: Vec<&str> = prepared.observables.iter().map(|&i| list[i].name).collect();
             let others: Vec<&str> = list.iter().map(|o| o.name).filter(|name| !wanted.contains(name)).collect();

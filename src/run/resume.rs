@@ -3,7 +3,7 @@
 //! One file per task in `resume/`: the outcome of a finished task, or the state of the walk after its last point. Each
 //! is written whole or not at all, so that a kill at any moment leaves the one before.
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, Status};
 use crate::branch::{Branch, write_atomically};
 use crate::continuation::{Counts, WalkState};
 use crate::orbit::Orbit;
@@ -22,6 +22,8 @@ pub struct Checkpoint {
     pub walk: WalkState,
     pub counts: Counts,
     pub seconds: f64,
+    /// How the first of two ways ended, if this is the second.
+    pub behind: Option<(Status, String)>,
     /// Test functions at the last point, and what the last three say of a homoclinic end.
     pub signs: Option<Signs>,
     pub passages: Vec<Passage>,

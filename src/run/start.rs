@@ -5,7 +5,7 @@ use crate::bifurcation::Coordinate;
 use crate::branch::SpecialPoint;
 use crate::linalg::c64;
 use crate::problem::Problem;
-use crate::scene::{Along, Label, Place, Range, Scene, SceneError, TaskKind, owner};
+use crate::scene::{self, Along, Label, Place, Range, Scene, SceneError, TaskKind, owner};
 use thiserror::Error;
 
 /// Cycles and curves start at a Hopf point: of a branch of equilibria, at a wanted value or end of a Hopf curve, or
@@ -112,19 +112,19 @@ pub fn check_equilibrium(scene: &Scene, from: &str, at: &Place) -> Result<(), Sc
     }
 }
 
-/// Whether a start is where cycles of another task double their period or branch.
+/// Whether a start is a cycle: a point of another task of cycles, or samples in a file.
 pub fn is_cycle(scene: &Scene, from: &str) -> bool {
     let of_cycles = |label: Label| {
-        let task = scene.tasks.iter().find(|task| task.name == label.task);
-        ["PD", "BPC"].contains(&label.kind) && task.is_some_and(|task| matches!(task.kind, TaskKind::Cycles(_)))
+        let task = owner(&scene.tasks, label.task);
+        task.is_some_and(|task| matches!(task.kind, TaskKind::Cycles(_)))
     };
-    Label::parse(from).is_some_and(of_cycles)
+    scene::is_file(from) || Label::parse(from).is_some_and(of_cycles)
 }
 
 /// Curves of bifurcations of cycles start at such a point of a branch of cycles.
 pub fn check_cycle(scene: &Scene, (from, at): (&str, &Place), kind: &str, what: &str) -> Result<(), SceneError> {
     let label = Label::parse(from);
-    let task = label.and_then(|label| scene.tasks.iter().find(|task| task.name == label.task));
+    let task = label.and_then(|label| owner(&scene.tasks, label.task));
     match (label, task.map(|task| &task.kind)) {
         (Some(label), Some(TaskKind::Cycles(_))) if label.kind == kind => Ok(()),
         _ => Err(scene.refuse(

@@ -1,6 +1,7 @@
 //! A scene resolved against its model: the problem, its parameters, and what each task needs.
 
 use super::{cycle_curve, cycles, equilibria, fold_curve, hopf_curve, written};
+use crate::linalg::Structure;
 use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
 use crate::orbit::bifurcations::Critical;
@@ -71,6 +72,8 @@ pub struct Prepared {
     pub others: Vec<usize>,
     /// Observables wanted as columns, in the model's order.
     pub observables: Vec<usize>,
+    /// Means and norms wanted of cycles.
+    pub averages: Vec<cycles::Average>,
     /// Labels ("UZ1") whose waveform a figure draws.
     pub waves: BTreeSet<String>,
 }
@@ -214,6 +217,10 @@ impl Study {
         self.model.picture_unit()
     }
 
+    pub fn structure(&self) -> Structure {
+        self.model.structure()
+    }
+
     pub fn dim(&self) -> usize {
         self.model.dim()
     }
@@ -279,7 +286,8 @@ impl Study {
             p[free] = equilibria.start.unwrap_or(along.range.from);
             self.check_start(scene, &problem.resolve(&p))?;
         }
-        let observables = self.wanted(scene, task)?;
+        p[free] = self.values[free];
+        let (observables, averages) = self.wanted(scene, task)?;
         let waves = scene
             .figures
             .iter()
@@ -293,6 +301,7 @@ impl Study {
             free_unit: q.unit.to_owned(),
             others,
             observables,
+            averages,
             waves,
         })
     }
@@ -322,7 +331,7 @@ impl Study {
     }
 
     /// Observables that the task, its figures or expectations name; an unknown name is an error.
-    fn wanted(&self, scene: &Scene, task: &Task) -> Result<Vec<usize>, SceneError> {
+    fn wanted(&self, scene: &Scene, task: &Task) -> Result<(Vec<usize>, Vec<cycles::Average>), SceneError> {
         let along = task.kind.along();
         let of_cycles = [&["period", "frequency", "trivial_error"][..], &cycles::VALUES].concat();
         let own: &[&str] = match task.kind {
@@ -340,13 +349,22 @@ impl Study {
         };
         let list = self.model.observables();
         let fitted = if let TaskKind::Calibration(task) = &task.kind { task.columns() } else { Vec::new() };
-        let mut wanted = BTreeSet::new();
+        let names: Vec<&str> = list.iter().map(|o| o.name).collect();
+        let periodic = matches!(
+            task.kind,
+            TaskKind::Cycles(_) | TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_)
+        );
+        let (mut wanted, mut averages) = (BTreeSet::new(), BTreeSet::new());
         let mut note = |name: &str, at: &Place| -> Result<(), SceneError> {
             let base = name.strip_prefix("max ").or(name.strip_prefix("min ")).unwrap_or(name);
             let column = own.contains(&name) || name == along.free || is_spectral(name);
             let column = column || fitted.iter().any(|own| own == name);
             let parameter = self.model.parameters().iter().any(|q| q.name == name);
-            match list.iter().position(|o| o.name == base) {
+            if let Some(average) = cycles::Average::named(name, &names).filter(|_| periodic) {
+                averages.insert(average);
+                return Ok(());
+            }
+            match names.iter().position(|known| *known == base) {
                 Some(i) => {
                     wanted.insert(i);
                     Ok(())
@@ -368,7 +386,9 @@ impl Study {
             TaskKind::Equilibria(_) | TaskKind::Diagram(_) => list.iter().map(|o| o.name.to_owned()).collect(),
             TaskKind::Cycles(_) => {
                 let extremes = list.iter().flat_map(|o| [format!("max {}", o.name), format!("min {}", o.name)]);
-                ["period".to_owned(), "frequency".to_owned()].into_iter().chain(extremes).collect()
+                let averages = list.iter().flat_map(|o| [format!("mean {}", o.name), format!("norm {}", o.name)]);
+                let own = ["period", "frequency", "norm"].map(str::to_owned);
+                own.into_iter().chain(extremes).chain(averages).collect()
             }
             TaskKind::HopfCurve(_)
             | TaskKind::FoldCurve(_)
@@ -409,7 +429,7 @@ impl Study {
             }
         }
         self.check_guesses(scene, task)?;
-        Ok(wanted.into_iter().collect())
+        Ok((wanted.into_iter().collect(), averages.into_iter().collect()))
     }
 }
 

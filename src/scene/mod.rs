@@ -25,7 +25,7 @@ pub use calibration::QUANTITIES;
 pub use error::{EntryError, Fault, SceneError};
 pub use figure::FIGURE_KINDS;
 pub use label::{Label, POINT_KINDS, owner};
-pub use task::TASK_KINDS;
+pub use task::{TASK_KINDS, is_file};
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -344,6 +344,9 @@ pub struct Cycles {
     /// Mesh intervals over the computed part of the period; None, the default: 20, or as many as the cycles have that
     /// they start from, twice as many for twice the period.
     pub intervals: Option<usize>,
+    /// Wanted error of the orbit, relative to its size, which sets the number of intervals; default: `1e-6`, or none where
+    /// `intervals` is given.
+    pub tolerance: Option<f64>,
     /// Degree of the collocation polynomials, 2-7. Default 4.
     pub degree: usize,
     /// `points = "radau"` (default): right for stiff problems, order 2m - 1; `"gauss"`: order 2m.
@@ -354,6 +357,13 @@ pub struct Cycles {
     pub symmetry: bool,
     /// Kinds of special points looked for: "LPC", "PD", "NS", "BPC".
     pub detect: Vec<String>,
+}
+
+impl Cycles {
+    /// The error that the mesh is to have; None: the number of intervals is kept.
+    pub fn error(&self) -> Option<f64> {
+        self.tolerance.or(if self.intervals.is_none() { Some(1e-6) } else { None })
+    }
 }
 
 /// `kind = "hopf-curve"`, `"fold-curve"`, `"lpc-curve"`, `"pd-curve"` or `"ns-curve"`.

@@ -23,7 +23,7 @@ pub const TASK_KINDS: [&str; 11] = [
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
 const EQUILIBRIA: [&str; 6] = ["log", "from", "start", "state", "spectrum", "detect"];
-const CYCLES: [&str; 7] = ["from", "intervals", "degree", "points", "multipliers", "symmetry", "detect"];
+const CYCLES: [&str; 8] = ["from", "intervals", "tolerance", "degree", "points", "multipliers", "symmetry", "detect"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
 const CALIBRATION: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "targets", "starts", "errors"];
 const MAP: [&str; 7] = ["name", "kind", "free", "range", "log", "grid", "errors"];
@@ -153,13 +153,19 @@ fn detect(entry: &Entry<'_>, kinds: &[&'static str]) -> Result<Vec<String>, Scen
 
 fn cycles(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Result<Cycles, SceneError> {
     let from = section.need("from", "from = \"TASK/HB1\", the point where the cycles are born")?;
-    label::check(from.text()?, read, announced).map_err(|fault| from.error(fault))?;
+    if !is_file(from.text()?) {
+        label::check(from.text()?, read, announced).map_err(|fault| from.error(fault))?;
+    }
     Ok(Cycles {
         along: along::read(section)?,
         from: from.text()?.to_owned(),
         from_at: from.at,
         intervals: match section.get("intervals") {
             Some(entry) => Some(entry.count(2..=10_000)?),
+            None => None,
+        },
+        tolerance: match section.get("tolerance") {
+            Some(entry) => Some(tolerance(&entry)?),
             None => None,
         },
         detect: match section.get("detect") {
@@ -183,6 +189,21 @@ fn cycles(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Resu
             None => true,
         },
     })
+}
+
+/// Whether a start is a file of samples rather than a label.
+pub fn is_file(from: &str) -> bool {
+    from.ends_with(".csv")
+}
+
+/// A relative error.
+fn tolerance(entry: &Entry<'_>) -> Result<f64, SceneError> {
+    let found = entry.positive()?;
+    if (1e-13..1.0).contains(&found) {
+        return Ok(found);
+    }
+    let allowed = "an error relative to the size of the orbit, from 1e-13 to below 1".to_owned();
+    Err(entry.error(Fault::OutOfBounds { found: found.to_string(), allowed }))
 }
 
 pub(super) fn multipliers(entry: &Entry<'_>) -> Result<usize, SceneError> {

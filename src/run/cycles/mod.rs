@@ -2,13 +2,15 @@
 //! bifurcations, user values and errors.
 
 mod origin;
+mod quantities;
 mod rows;
 mod special;
 
-pub use rows::{empty, measure};
+pub use quantities::{Average, columns, measure};
+pub use rows::empty;
 pub use special::{VALUES, angle};
 
-use super::outcome::{Outcome, Status};
+use super::outcome::{Outcome, Status, joined};
 use super::resume::{Checkpoint, Keeper};
 use super::study::Prepared;
 use super::watch::{Watch, interrupted};
@@ -17,6 +19,8 @@ use crate::continuation::{Counts, Failure, Point, Stop, Walk, at_lambda, crossin
 use crate::orbit::bifurcations::{Event, Homoclinic, Passage, Segment, Signs};
 use crate::orbit::{Collocation, OrbitFactors};
 use crate::scene;
+pub use origin::INTERVALS;
+use origin::Origin;
 use rows::Pending;
 use special::{Between, Special};
 use std::time::Instant;
@@ -36,6 +40,10 @@ enum CyclesError {
     OtherParameter { label: String, name: String },
     #[error("the branches at {0} touch: there is no other direction to second order")]
     Touching(String),
+    #[error("the start {0} does not move: it is an equilibrium")]
+    Still(String),
+    #[error("the start {0} has a period of {1}, which is not a positive number")]
+    Period(String, f64),
     #[error("the first Lyapunov coefficient vanishes: third order does not decide where the cycles go")]
     Degenerate,
 }
@@ -47,6 +55,8 @@ struct Cycles<'a> {
     branch: Branch,
     /// Accepted points that are not rows yet: rows are made side by side, several at a time.
     pending: Vec<Pending>,
+    /// How the first of two ways ended, once it has.
+    behind: Option<(Status, String)>,
 }
 
 /// Why a branch ended.
@@ -59,7 +69,26 @@ enum End {
 /// Rows made at once.
 const BATCH: usize = 8;
 
-/// Runs the task from a Hopf point; goes on from a checkpoint if there is one.
+/// What stands beside a running task: where its state is kept, who watches, since when and how long before that.
+#[derive(Clone, Copy)]
+struct Tools<'a> {
+    keeper: &'a Keeper,
+    watch: &'a Watch,
+    start: Instant,
+    before: f64,
+}
+
+/// Which way along the branch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// The only one there is.
+    Away,
+    /// Of a start amid a branch first to smaller values of the parameter, then to larger ones.
+    Down,
+    Up,
+}
+
+/// Runs the task from its start; goes on from a checkpoint if there is one.
 pub fn run(
     prepared: &Prepared,
     name: &str,
@@ -72,42 +101,83 @@ pub fn run(
     let kept = keeper.load(name);
     let before = kept.as_ref().map_or(0.0, |kept| kept.seconds);
     let mut counts = kept.as_ref().map_or_else(Counts::default, |kept| kept.counts);
-    let mut cycles = Cycles { prepared, task, branch: empty(prepared, name, task), pending: Vec::new() };
-    let result = cycles.follow(from, kept, keeper, watch, &mut counts, (start, before));
-    let (status, reason) = match result {
-        Ok(End::Stop(Stop::Interrupted)) => (Status::Interrupted, Stop::Interrupted.to_string()),
-        Ok(End::Stop(stop @ Stop::Stagnation { .. })) => (Status::Failed, stop.to_string()),
-        Ok(End::Stop(stop)) => (Status::Done, stop.to_string()),
-        Ok(End::Homoclinic(reason)) => (Status::Done, reason),
+    let mut cycles = Cycles { prepared, task, branch: empty(prepared, name, task), pending: Vec::new(), behind: None };
+    let (status, reason) = match cycles.both_ways(from, kept, Tools { keeper, watch, start, before }, &mut counts) {
+        Ok(end) => end,
         Err(failure) => (Status::Failed, failure.to_string()),
     };
     Outcome { branch: cycles.branch, status, reason, seconds: before + start.elapsed().as_secs_f64(), counts }
 }
 
+impl End {
+    fn describe(self) -> (Status, String) {
+        match self {
+            End::Stop(Stop::Interrupted) => (Status::Interrupted, Stop::Interrupted.to_string()),
+            End::Stop(stop @ Stop::Stagnation { .. }) => (Status::Failed, stop.to_string()),
+            End::Stop(stop) => (Status::Done, stop.to_string()),
+            End::Homoclinic(reason) => (Status::Done, reason),
+        }
+    }
+}
+
 impl Cycles<'_> {
-    fn follow(
+    /// The branch from its start, both ways where it goes on both sides; status and reason.
+    fn both_ways(
         &mut self,
         from: &SpecialPoint,
-        kept: Option<Checkpoint>,
-        keeper: &Keeper,
-        watch: &Watch,
+        mut kept: Option<Checkpoint>,
+        tools: Tools,
         counts: &mut Counts,
-        (start, before): (Instant, f64),
+    ) -> Result<(Status, String), CyclesError> {
+        let origin = self.origin(from)?;
+        if !matches!(origin, Origin::Amid { .. }) {
+            return Ok(self.follow(&origin, Way::Away, kept, tools, counts)?.describe());
+        }
+        let mut behind = kept.as_mut().and_then(|kept| kept.behind.take());
+        if behind.is_none() {
+            let end = self.follow(&origin, Way::Down, kept.take(), tools, counts)?.describe();
+            if end.0 == Status::Interrupted {
+                return Ok(end);
+            }
+            self.turn();
+            behind = Some(end);
+        }
+        let (before, reason) = behind.clone().unwrap_or((Status::Done, String::new()));
+        self.behind = behind;
+        let (status, last) = self.follow(&origin, Way::Up, kept, tools, counts)?.describe();
+        Ok(joined([(before, &reason), (status, &last)]))
+    }
+
+    /// The rows so far in opposite order: the way back to the start.
+    fn turn(&mut self) {
+        let count = self.branch.rows.len();
+        self.branch.rows.reverse();
+        self.branch.points.iter_mut().for_each(|point| point.row = count - 1 - point.row);
+    }
+    fn follow(
+        &mut self,
+        origin: &Origin,
+        way: Way,
+        kept: Option<Checkpoint>,
+        Tools { keeper, watch, start, before }: Tools,
+        counts: &mut Counts,
     ) -> Result<End, CyclesError> {
         let along = &self.task.along;
         let (low, high) = (along.range.from, along.range.to);
-        let origin = self.origin(from)?;
         let onset = origin.onset(self.prepared.free);
         let (mut system, state, mut signs, mut passages) = match kept {
             Some(Checkpoint { branch, orbit, walk, signs, passages, .. }) => {
                 self.branch = branch;
-                (Collocation::new(self.frame(&origin)?, &orbit), walk, signs, passages)
+                (Collocation::new(self.frame(origin)?, &orbit), walk, signs, passages)
             }
             None => {
-                let (system, state) = self.start(&origin, counts)?;
+                let (system, state) = self.start(origin, way, counts)?;
                 (system, state, None, Vec::new())
             }
         };
+        system.tolerance = self.task.error();
+        // Of two ways each has half of the points.
+        let room = if way == Way::Down { along.max_points.div_ceil(2) } else { along.max_points };
         let wanted = self.wanted(system.frame.parts);
         let width = system.frame.scale_lambda;
         let mut walk = Walk::resume(&mut system, state, (low, high));
@@ -124,6 +194,7 @@ impl Cycles<'_> {
                     walk: walk.state.clone(),
                     counts: *counts,
                     seconds: before + start.elapsed().as_secs_f64(),
+                    behind: self.behind.clone(),
                     signs: signs.clone(),
                     passages: passages.clone(),
                 });
@@ -131,7 +202,7 @@ impl Cycles<'_> {
             if stopping {
                 return Ok(End::Stop(Stop::Interrupted));
             }
-            if self.branch.rows.len() + self.pending.len() >= along.max_points {
+            if self.branch.rows.len() + self.pending.len() >= room {
                 self.make_rows(counts);
                 return Ok(End::Stop(Stop::MaxPoints));
             }

@@ -2,6 +2,7 @@
 
 use super::super::equilibria::error;
 use super::Cycles;
+use super::quantities::measure;
 use crate::branch::Kind;
 use crate::continuation::{Counts, Failure, Point};
 use crate::linalg::c64;
@@ -105,7 +106,7 @@ impl Cycles<'_> {
         let frame = &system.frame;
         let mut values = vec![lambda];
         let p = system.parameters(lambda);
-        values.extend(super::rows::measure(&*frame.problem, &self.prepared.observables, orbit, &frame.symmetry, &p));
+        values.extend(measure(self.prepared, &*frame.problem, orbit, &frame.symmetry, &p));
         values
     }
 
