@@ -212,7 +212,6 @@ impl Cycles<'_> {
     }
 
     /// The first cycle near a Hopf point.
-    /// The first cycle near a Hopf point.
     fn born(
         &self,
         origin: &Origin,
