@@ -96,16 +96,13 @@ pub fn correct<S: System>(
     Err(Failure::Diverged(last))
 }
 
-/// The same with factors from elsewhere on the curve: one factorisation, at the solution. An error where those factors
-/// do not lead there.
-pub fn correct_with<S: System>(
+/// The point that was settled with factors from elsewhere on the curve, with factors of its own.
+pub fn refactor<S: System>(
     system: &S,
-    start: (Vec<f64>, f64),
-    held: &S::Factors,
+    Settled { x, lambda, steps, distance }: Settled,
     border: &Border,
     counts: &mut Counts,
 ) -> Result<Corrected<S::Factors>, Failure> {
-    let Settled { x, lambda, steps, distance } = settle(system, start, held, counts)?;
     counts.factorisations += 1;
     let factors = system.factor(&x, lambda, border)?;
     let point = tangent(system, x, lambda, &factors)?;

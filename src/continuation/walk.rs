@@ -1,6 +1,7 @@
 //! The walk along a curve: an iterator of accepted steps.
 
-use super::corrector::{correct_with, polish};
+use super::chord::settle;
+use super::corrector::{polish, refactor};
 use super::{Border, Corrected, Counts, Failure, Point, StepControl, System, at_lambda, correct, inner};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -112,12 +113,13 @@ impl<'a, S: System> Walk<'a, S> {
         let (x, lambda) = self.predict(from, h);
         let border = self.border(from);
         let counts = &mut self.counts;
-        let quick = match &self.held {
-            Some(held) => correct_with(&*self.system, (x.clone(), lambda), held, &border, counts).ok(),
-            None => None,
-        };
-        let corrected = match quick {
-            Some(corrected) => corrected,
+        let settled = self.held.as_ref().and_then(|held| settle(&*self.system, (x.clone(), lambda), held, counts).ok());
+        let corrected = match settled {
+            Some(settled) => {
+                // The old factors are of no use any more, and large systems have no room for two.
+                self.held = None;
+                refactor(&*self.system, settled, &border, counts)?
+            }
             None => correct(&*self.system, (x, lambda), &border, counts)?,
         };
         // A turn by more than a right angle means that another part of the curve was hit.

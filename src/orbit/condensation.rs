@@ -267,7 +267,17 @@ impl Span {
         };
         let (left, right) = (left?, right?);
         let joint = Elimination::joint(left.remaining(), right.remaining(), n)?;
+        let (mut left, mut right) = (left, right);
+        left.shrink();
+        right.shrink();
         Ok(Span::Joined { left: Box::new(left), right: Box::new(right), joint })
+    }
+
+    /// Forgets the rows that couple the ends of a span of several intervals, which its joint with another has taken over.
+    fn shrink(&mut self) {
+        if let Span::Joined { joint, .. } = self {
+            joint.right = joint.right.as_ref().subrows(0, joint.inside()).to_owned();
+        }
     }
 
     /// The rows `[C D E]` that couple the span's ends.
