@@ -14,7 +14,7 @@
 //! | [`linalg`] | LU, bordered systems, eigenvalues of pencils and of products | `linalg::pencil` |
 //! | [`continuation`] | predictor, corrector, step control, points between points; surfaces by charts | `continuation::Walk` |
 //! | [`bifurcation`] | equilibria as curves and over grids, eigenvalue branches, Hopf points and folds, their curves and surfaces, normal forms, calibration | `bifurcation::Hopf` |
-//! | [`orbit`] | collocation, condensation, mesh, multipliers, start from a Hopf point | `orbit::Collocation` |
+//! | [`orbit`] | collocation, condensation, mesh, multipliers, start from a Hopf point; bifurcations of cycles and their curves | `orbit::Collocation`, `orbit::bifurcations` |
 //! | [`expression`] | arithmetic as text: grammar, tree, statements of models | `expression::Node` |
 //! | [`import`] | models of other programs, rewritten as scenes | `import::read` |
 //! | [`models`] | the models that scenes can name | `models::TwoDoublet` |

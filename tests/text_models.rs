@@ -137,7 +137,11 @@ fn errors_point_at_line_and_column() {
         ("R = a/(1 + x)", "R = a/(1 + xx)", "chain.toml:7:12: model.equations: unknown name \"xx\""),
         ("- 2*u[i]", "- 2 u[i]", "chain.toml:4:23: model.equations: expected an operator"),
         ("u[N+1] = 1", "", "chain.toml:4:30: model.equations: u[21] is not defined, only u[0] to u[20]"),
-        ("x' = sum", "x' = summ", "chain.toml:5:6: model.equations: unknown function"),
+        (
+            "x' = sum",
+            "x' = summ",
+            "chain.toml:5:19: model.equations: expected an operator or \")\", since only sum(BODY, i = FROM..TO) takes an index",
+        ),
         (
             "1 + x)",
             "x)",

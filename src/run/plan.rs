@@ -136,6 +136,15 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 let multipliers = c.multipliers > 0;
                 out +=
                     &yes_no(multipliers, "Floquet multipliers and stability".into(), "multipliers are not asked for");
+                for (kind, what) in [
+                    ("LPC", "folds of cycles"),
+                    ("PD", "period doublings"),
+                    ("NS", "torus bifurcations"),
+                    ("BPC", "branch points of cycles"),
+                ] {
+                    let asked = c.detect.iter().any(|known| known == kind);
+                    out += &yes_no(asked, format!("{what} ({kind})"), &format!("detect has no {kind}"));
+                }
             }
         }
         let of_cycles = matches!(task.kind, TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_));

@@ -16,8 +16,9 @@ use super::study::Prepared;
 use super::watch::{Watch, interrupted};
 use crate::branch::{Branch, Kind, SpecialPoint};
 use crate::continuation::{Counts, Failure, Point, Stop, Walk, at_lambda, crossing};
-use crate::orbit::bifurcations::{Event, Homoclinic, Passage, Segment, Signs};
+use crate::orbit::bifurcations::{Amplitude, Event, Homoclinic, Passage, Segment, Signs};
 use crate::orbit::{Collocation, OrbitFactors};
+use crate::problem::{Problem, Reflection};
 use crate::scene;
 pub use origin::INTERVALS;
 use origin::Origin;
@@ -62,8 +63,8 @@ struct Cycles<'a> {
 /// Why a branch ended.
 enum End {
     Stop(Stop),
-    /// In a sentence.
-    Homoclinic(String),
+    /// At a homoclinic orbit or a Hopf point, in a sentence.
+    Recognised(String),
 }
 
 /// Rows made at once.
@@ -83,7 +84,8 @@ struct Tools<'a> {
 enum Way {
     /// The only one there is.
     Away,
-    /// Of a start amid a branch first to smaller values of the parameter, then to larger ones.
+    /// Of a start amid a branch first to smaller values of the parameter, then to larger ones; of the other branch at a
+    /// branch point first one side, then the other.
     Down,
     Up,
 }
@@ -115,7 +117,7 @@ impl End {
             End::Stop(Stop::Interrupted) => (Status::Interrupted, Stop::Interrupted.to_string()),
             End::Stop(stop @ Stop::Stagnation { .. }) => (Status::Failed, stop.to_string()),
             End::Stop(stop) => (Status::Done, stop.to_string()),
-            End::Homoclinic(reason) => (Status::Done, reason),
+            End::Recognised(reason) => (Status::Done, reason),
         }
     }
 }
@@ -130,7 +132,7 @@ impl Cycles<'_> {
         counts: &mut Counts,
     ) -> Result<(Status, String), CyclesError> {
         let origin = self.origin(from)?;
-        if !matches!(origin, Origin::Amid { .. }) {
+        if !matches!(origin, Origin::Amid { .. } | Origin::Cycle { flip: false, .. }) {
             return Ok(self.follow(&origin, Way::Away, kept, tools, counts)?.describe());
         }
         let mut behind = kept.as_mut().and_then(|kept| kept.behind.take());
@@ -154,6 +156,7 @@ impl Cycles<'_> {
         self.branch.rows.reverse();
         self.branch.points.iter_mut().for_each(|point| point.row = count - 1 - point.row);
     }
+
     fn follow(
         &mut self,
         origin: &Origin,
@@ -220,13 +223,20 @@ impl Cycles<'_> {
                 }
             };
             let lambda = step.to.lambda;
+            if let Some(reason) = self.vanished(origin, &*walk.system, &step.from, &step.to) {
+                self.make_rows(counts);
+                if self.branch.rows.last().is_some_and(|row| row.label.is_none()) {
+                    self.name_last_row(&here, Kind::EP);
+                }
+                return Ok(End::Recognised(reason));
+            }
             let mut between = self.user_values(&*walk.system, &step.from, &step.to, counts)?;
             let next = self.signs(&step.to, &step.factors, &wanted, counts);
             // At the first point nothing has been looked at yet: its signs come from the factors of the first step.
             if let (Some(a), Some(b)) = (self.signs_before(&signs, &*walk.system, &step.from, &wanted, counts), &next) {
                 let signs = [&a, b];
                 let segment = Segment { system: &*walk.system, from: &step.from, to: &step.to, signs, width };
-                between.extend(self.bifurcations(&segment, &wanted, counts)?);
+                between.extend(self.bifurcations(&segment, &wanted, counts));
             }
             signs = next;
             between.sort_by(|x, y| x.fraction.total_cmp(&y.fraction));
@@ -242,11 +252,10 @@ impl Cycles<'_> {
                 _ => None,
             };
             let ended = homoclinic.is_some() || step.stop == Some(Stop::RangeEnd);
-            let special = homoclinic.as_ref().map_or_else(Special::default, |end| Special {
-                values: vec![("homoclinic", end.lambda)],
-                errors: vec![("homoclinic".to_owned(), end.error)],
-                cosine: None,
-            });
+            let special = match &homoclinic {
+                Some(end) => self.end(&*walk.system, &step.to, end, counts),
+                None => Special::default(),
+            };
             let kind = ended.then_some(Kind::EP);
             let pending = self.pending(&*walk.system, &step.to, Some(&*step.factors), kind, special);
             self.pending.push(pending);
@@ -257,9 +266,9 @@ impl Cycles<'_> {
             watch.at((lambda - onset) / (goal - onset), format!("{} = {lambda:.6}", along.free));
             if let Some(end) = homoclinic {
                 self.make_rows(counts);
-                return Ok(End::Homoclinic(format!(
-                    "the period grows without bound: a homoclinic orbit at {} = {} ± {:.0e}",
-                    along.free, end.lambda, end.error
+                return Ok(End::Recognised(format!(
+                    "the period grows without bound: a homoclinic orbit at {} = {}",
+                    along.free, end.lambda
                 )));
             }
             if let Some(stop) = step.stop {
@@ -267,6 +276,22 @@ impl Cycles<'_> {
                 return Ok(End::Stop(stop));
             }
         }
+    }
+
+    /// Whether the cycles shrink, within a step, to an equilibrium or to cycles of the kind that they come from.
+    fn vanished(&self, origin: &Origin, system: &Collocation, from: &Point, to: &Point) -> Option<String> {
+        let name = &self.task.along.free;
+        if let Some(value) = Amplitude::Swing.vanishes(system, from, to) {
+            return Some(format!("the cycles shrink to an equilibrium: a Hopf point near {name} = {value:.6}"));
+        }
+        let Origin::Cycle { stored, flip: true } = origin else { return None };
+        let identity = Reflection::identity(stored.orbit.dim);
+        let (symmetry, what) = match stored.orbit.parts {
+            2 => (self.prepared.problem.reflection()?, "symmetric cycles"),
+            _ => (identity, "cycles of half the period"),
+        };
+        let value = Amplitude::Halves(&symmetry).vanishes(system, from, to)?;
+        Some(format!("the cycles become {what} near {name} = {value:.6}"))
     }
 
     /// Test functions at the beginning of a step: those known from the end of the last one.

@@ -151,16 +151,19 @@ impl Cycles<'_> {
             Origin::Amid { stored } => return self.amid(origin, stored, way, counts),
             Origin::Hopf { .. } => self.from_hopf(origin, counts)?,
             Origin::Cycle { stored, flip } => {
-                let Departure { system, origin, corrected } = self.from_cycle(stored, *flip, counts)?;
+                let Departure { system, origin, corrected } = self.from_cycle(stored, *flip, way, counts)?;
                 (system, origin, corrected)
             }
         };
-        let (orbit, symmetry) = (system.orbit(&still.x), system.frame.symmetry.clone());
-        let values = self.measure(&orbit, &symmetry, &system.parameters(still.lambda));
-        let mut row: Vec<Option<f64>> = vec![Some(still.lambda)];
-        row.extend(values.into_iter().map(Some));
-        row.resize(self.branch.columns.len(), None);
-        self.branch.rows.push(Row { label: None, stable: None, values: row });
+        // On the second of two ways the start is there already.
+        if self.branch.rows.is_empty() {
+            let (orbit, symmetry) = (system.orbit(&still.x), system.frame.symmetry.clone());
+            let values = self.measure(&orbit, &symmetry, &system.parameters(still.lambda));
+            let mut row: Vec<Option<f64>> = vec![Some(still.lambda)];
+            row.extend(values.into_iter().map(Some));
+            row.resize(self.branch.columns.len(), None);
+            self.branch.rows.push(Row { label: None, stable: None, values: row });
+        }
         self.push(&system, &first.point, &first.factors, None);
         let control = self.control(&system);
         let state = Walk::new(&mut system, first.point, control, (0.0, 0.0)).state;
@@ -237,7 +240,13 @@ impl Cycles<'_> {
     }
 
     /// Solves for the bifurcation anew, on the mesh of this task, and leaves along the other branch.
-    fn from_cycle(&self, stored: &StoredCycle, flip: bool, counts: &mut Counts) -> Result<Departure, CyclesError> {
+    fn from_cycle(
+        &self,
+        stored: &StoredCycle,
+        flip: bool,
+        way: Way,
+        counts: &mut Counts,
+    ) -> Result<Departure, CyclesError> {
         let range = &self.task.along.range;
         let extent = range.to - range.from;
         let frame = stored.frame(self.prepared, extent);
@@ -259,7 +268,11 @@ impl Cycles<'_> {
             tangent_lambda: stored.tangent_lambda,
         };
         let found = BranchPoint::solve(&system, &near, counts)?;
-        let other = found.other.ok_or_else(|| CyclesError::Touching(stored.label.clone()))?;
+        let mut other = found.other.ok_or_else(|| CyclesError::Touching(stored.label.clone()))?;
+        // Where the branch runs across the parameter, as at a broken symmetry, the sides are called so at will.
+        if (way == Way::Down) != (other.tangent_lambda < 0.0) {
+            reverse(&mut other);
+        }
         Ok(Departure::along(system, &other, FIRST_DISTANCE, counts)?)
     }
 }

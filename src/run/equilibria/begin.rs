@@ -156,10 +156,10 @@ fn system(prepared: &Prepared, p: Vec<f64>, coordinate: Coordinate) -> Equilibri
     Equilibria { problem: prepared.problem.clone(), p, coordinate, scale_state: 1.0 }
 }
 
-/// The root mean square of a state, or one where it is zero.
+/// The root mean square of a state, or one where it is zero up to rounding: a branch point at zero is stored as 1e-18.
 fn scale(u: &[f64]) -> f64 {
     let rms = rms(u);
-    if rms > 0.0 { rms } else { 1.0 }
+    if rms > f64::EPSILON { rms } else { 1.0 }
 }
 
 fn rms(u: &[f64]) -> f64 {
