@@ -34,7 +34,7 @@ fn names_and_references_are_checked() {
         (
             "from = \"straight/HB1\"",
             "from = \"straight\"",
-            "26: task.beat.from: \"straight\" is not a label; write TASK/KINDn, for example \"straight/HB1\", with KIND one of HB, LP, BP, UZ, EP, GH, BT, ZH, HH and n counting from 1",
+            "26: task.beat.from: \"straight\" is not a label; write TASK/KINDn, for example \"straight/HB1\", with KIND one of HB, LP, BP, KC, XP, UZ, EP, GH, BT, ZH, HH and n counting from 1",
         ),
         (
             "from = \"straight/HB1\"\n",
@@ -54,7 +54,7 @@ fn names_and_references_are_checked() {
         (
             "point = \"beat/UZ2\"",
             "point = \"beat/LP1\"",
-            "53: figure.beat.point: the task \"beat\" finds no LP points (it follows cycles: only UZ and EP)",
+            "53: figure.beat.point: the task \"beat\" finds no LP points (it follows cycles: only LPC, PD, NS, BPC, UZ and EP)",
         ),
         (
             "tasks = [\"straight\", \"beat\"]",
@@ -64,7 +64,7 @@ fn names_and_references_are_checked() {
         (
             "\"beat/UZ1\".\"max",
             "\"beat/UZ0\".\"max",
-            "58: expect.beat/UZ0: \"beat/UZ0\" is not a label; write TASK/KINDn, for example \"straight/HB1\", with KIND one of HB, LP, BP, UZ, EP, GH, BT, ZH, HH and n counting from 1",
+            "58: expect.beat/UZ0: \"beat/UZ0\" is not a label; write TASK/KINDn, for example \"straight/HB1\", with KIND one of HB, LP, BP, KC, XP, UZ, EP, GH, BT, ZH, HH and n counting from 1",
         ),
     ]);
     // The same through a second [[task]] of the name, which takes the place of the first in no silent way.

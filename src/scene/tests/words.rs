@@ -23,7 +23,7 @@ fn unknown_words_are_refused_with_what_was_meant() {
         (
             "kind = \"cycles\"",
             "kind = \"cycle\"",
-            "25: task.beat.kind: unknown task kind \"cycle\" (did you mean \"cycles\"?); allowed: equilibria, cycles, hopf-curve...",
+            "25: task.beat.kind: unknown task kind \"cycle\" (did you mean \"cycles\"?); allowed: equilibria, diagram, cycles, hopf-curve...",
         ),
         (
             "kind = \"waveform\"",
