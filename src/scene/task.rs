@@ -22,7 +22,7 @@ pub const TASK_KINDS: [&str; 10] = [
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
 const EQUILIBRIA: [&str; 5] = ["log", "from", "start", "spectrum", "detect"];
-const CYCLES: [&str; 7] = ["from", "intervals", "degree", "points", "multipliers", "symmetry", "detect"];
+const CYCLES: [&str; 8] = ["from", "intervals", "degree", "points", "multipliers", "symmetry", "detect", "relative"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
 const CALIBRATION: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "targets", "starts", "errors"];
 const MAP: [&str; 7] = ["name", "kind", "free", "range", "log", "grid", "errors"];
@@ -140,7 +140,19 @@ fn detect(entry: &Entry<'_>, kinds: &[&'static str]) -> Result<Vec<String>, Scen
 fn cycles(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Result<Cycles, SceneError> {
     let from = section.need("from", "from = \"TASK/HB1\", the point where the cycles are born")?;
     label::check(from.text()?, read, announced).map_err(|fault| from.error(fault))?;
+    let relative = match section.get("relative") {
+        Some(entry) => entry.flag()?,
+        None => false,
+    };
+    if let (true, Some(detect)) = (relative, section.get("detect"))
+        && !detect.texts()?.is_empty()
+    {
+        let message =
+            "bifurcations of relative periodic orbits are not looked for; leave out detect, or relative = true";
+        return Err(detect.error(Fault::Other(message.to_owned())));
+    }
     Ok(Cycles {
+        relative,
         along: along::read(section)?,
         from: from.text()?.to_owned(),
         from_at: from.at,

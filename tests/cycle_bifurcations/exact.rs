@@ -100,7 +100,7 @@ pub fn exact(kind: Critical, mass: bool, mu: f64) -> (Frame, Orbit) {
         nodes.extend([phi.cos(), phi.sin(), 0.0, 0.0]);
     }
     let mesh = (0..=intervals).map(|j| j as f64 / intervals as f64).collect();
-    let orbit = Orbit { mesh, points, degree, nodes, dim: 4, part: TAU, parts: 1 };
+    let orbit = Orbit { mesh, points, degree, nodes, dim: 4, part: TAU, parts: 1, drift: Vec::new() };
     let symmetry = Reflection::identity(4);
     let (scale_state, scale_part, scale_lambda) = (1.0, TAU, 1.0);
     (Frame { problem, p, free: 0, symmetry, parts: 1, scale_state, scale_part, scale_lambda }, orbit)

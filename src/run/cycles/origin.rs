@@ -5,7 +5,7 @@ use crate::bifurcation::{Coordinate, Hopf, HopfNormalForm};
 use crate::branch::{Row, SpecialPoint};
 use crate::continuation::{Border, Corrected, Counts, Point, StepControl, System, Walk, WalkState, correct, inner};
 use crate::orbit::bifurcations::{BranchPoint, Critical, CriticalCycle, Departure};
-use crate::orbit::{Collocation, Frame, OrbitFactors, Points, from_hopf, half_period};
+use crate::orbit::{Collocation, Frame, Modulation, OrbitFactors, Points, from_hopf, half_period};
 use crate::problem::{Problem, Reflection};
 use crate::run::start::Stored;
 use crate::run::stored_cycle::StoredCycle;
@@ -14,7 +14,7 @@ use crate::scene::Label;
 /// Radius of the first cycle and step sizes, in parts of the range: amplitudes go as the square root of it.
 const FIRST_RADIUS: f64 = 0.02;
 /// Distance of the first cycle of a branch that leaves another, in parts of the orbit.
-const FIRST_DISTANCE: f64 = 0.02;
+pub(super) const FIRST_DISTANCE: f64 = 0.02;
 const FIRST_STEP: f64 = 0.02;
 const LARGEST_STEP: f64 = 0.05;
 const LEAST_STEP: f64 = 1e-7;
@@ -27,6 +27,8 @@ pub enum Origin {
     Hopf { hopf: Box<Hopf>, form: Box<HopfNormalForm>, reference: f64, span: f64 },
     /// nu = -1 (flip) or +1, at a cycle on the mesh of the new task.
     Cycle { stored: StoredCycle, flip: bool },
+    /// At a cycle that drifts, or a rotating wave's modulation.
+    Relative { stored: StoredCycle, frame: Frame, modulation: Option<Modulation> },
 }
 
 impl Origin {
@@ -34,13 +36,13 @@ impl Origin {
     pub fn onset(&self, free: usize) -> f64 {
         match self {
             Origin::Hopf { hopf, .. } => hopf.p[free],
-            Origin::Cycle { stored, .. } => stored.p[free],
+            Origin::Cycle { stored, .. } | Origin::Relative { stored, .. } => stored.p[free],
         }
     }
 }
 
 impl Cycles<'_> {
-    fn points(&self) -> Points {
+    pub(super) fn points(&self) -> Points {
         if self.task.gauss { Points::Gauss } else { Points::Radau }
     }
 
@@ -54,6 +56,13 @@ impl Cycles<'_> {
             let (name, what) = (self.prepared.free_name.clone(), from.label.clone());
             Err(CyclesError::Outside { what, name, value, from: low, to: high })
         };
+        if self.task.relative {
+            let stored = StoredCycle::read(self.prepared, from);
+            let stored = stored.ok_or_else(|| CyclesError::Incomplete(from.label.clone()))?;
+            inside(stored.p[self.prepared.free])?;
+            let intervals = self.task.intervals.unwrap_or(stored.orbit.intervals());
+            return self.relative(from, stored.remeshed(intervals, self.task.degree, self.points()));
+        }
         if Label::parse(&from.label).is_some_and(|label| ["PD", "BPC"].contains(&label.kind)) {
             let stored = StoredCycle::read(self.prepared, from);
             let stored = stored.ok_or_else(|| CyclesError::Incomplete(from.label.clone()))?;
@@ -116,6 +125,7 @@ impl Cycles<'_> {
                 let symmetry = Reflection::identity(stored.orbit.dim);
                 Ok(Frame { symmetry, parts: 1, scale_part: 2.0 * frame.scale_part, ..frame })
             }
+            Origin::Relative { frame, .. } => Ok(frame.clone()),
         }
     }
 
@@ -127,13 +137,20 @@ impl Cycles<'_> {
                 let Departure { system, origin, corrected } = self.from_cycle(stored, *flip, counts)?;
                 (system, origin, corrected)
             }
+            Origin::Relative { stored, frame, modulation } => {
+                let departure = self.from_relative((stored, frame), modulation.as_ref(), counts)?;
+                (departure.system, departure.origin, departure.corrected)
+            }
         };
         let (orbit, symmetry) = (system.orbit(&still.x), system.frame.symmetry.clone());
         let values = self.measure(&orbit, &symmetry, &system.parameters(still.lambda));
         let mut row: Vec<Option<f64>> = vec![Some(still.lambda)];
         row.extend(values.into_iter().map(Some));
         row.resize(self.branch.columns.len(), None);
-        self.branch.rows.push(Row { label: None, stable: None, values: row });
+        // A cycle that the branch goes through is its first point itself.
+        if !matches!(origin, Origin::Relative { modulation: None, .. }) {
+            self.branch.rows.push(Row { label: None, stable: None, values: row });
+        }
         self.push(&system, &first.point, &first.factors, None);
         let span = system.frame.scale_lambda;
         let most = self.task.along.max_step.map_or(LARGEST_STEP, |step| step / span);

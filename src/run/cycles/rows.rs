@@ -62,6 +62,8 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
         ("period".to_owned(), time.to_owned()),
         ("frequency".to_owned(), frequency),
     ];
+    let per_time = if time.is_empty() { String::new() } else { format!("rad/{time}") };
+    columns.extend((1..=drifts(prepared, task)).map(|k| (format!("drift_{k}"), per_time.clone())));
     let list = prepared.problem.observables();
     for &i in &prepared.observables {
         for extreme in ["max", "min"] {
@@ -70,7 +72,7 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
     }
     let measured = columns.len();
     if task.multipliers > 0 {
-        for k in 1..=task.multipliers.min(prepared.problem.dim() - 1) {
+        for k in 1..=task.multipliers.min(prepared.problem.dim().saturating_sub(1 + drifts(prepared, task))) {
             columns.push((format!("mu_{k}_re"), String::new()));
             columns.push((format!("mu_{k}_im"), String::new()));
         }
@@ -92,8 +94,13 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
     }
 }
 
+/// Drift velocities of the task's orbits.
+fn drifts(prepared: &Prepared, task: &scene::Cycles) -> usize {
+    if task.relative { prepared.problem.rotations().len() } else { 0 }
+}
+
 impl Cycles<'_> {
-    /// Period, frequency, extremes: the columns after the parameter.
+    /// Period, frequency, drift, extremes: the columns after the parameter.
     pub fn measure(&self, orbit: &Orbit, symmetry: &Reflection, p: &[f64]) -> Vec<f64> {
         measure(&*self.prepared.problem, &self.prepared.observables, orbit, symmetry, p)
     }
@@ -108,8 +115,8 @@ impl Cycles<'_> {
             counts.newton += rows.len();
         }
         for (point, row) in pending.iter().zip(rows) {
-            // The Hopf point itself is as stable as the first cycle.
-            if let [onset] = &mut self.branch.rows[..] {
+            // The Hopf point itself is as stable as the first cycle; a relative branch's first row is no such point.
+            if let (false, [onset]) = (self.task.relative, &mut self.branch.rows[..]) {
                 onset.stable = row.stable;
             }
             self.branch.rows.push(row);
@@ -128,7 +135,7 @@ impl Cycles<'_> {
         values.extend(measured.iter().copied().map(Some));
         let found = point.multipliers.as_ref();
         if self.task.multipliers > 0 {
-            for k in 0..self.task.multipliers.min(orbit.dim - 1) {
+            for k in 0..self.task.multipliers.min(orbit.dim.saturating_sub(1 + orbit.drift.len())) {
                 let mu = found.and_then(|m| m.values.get(k));
                 values.extend([mu.map(|mu| mu.re), mu.map(|mu| mu.im)]);
             }
@@ -186,6 +193,10 @@ impl Cycles<'_> {
             ("gauss_free".to_owned(), vector(vec![f64::from(u8::from(self.task.gauss)), frame.free as f64])),
             ("parameters".to_owned(), vector(resolved.clone())),
         ]);
+        if !orbit.drift.is_empty() {
+            arrays.insert("drift".to_owned(), vector(orbit.drift.clone()));
+            arrays.insert("tangent_drift".to_owned(), vector(tangent.drift.clone()));
+        }
         arrays.extend(cosine.map(|cosine| ("critical".to_owned(), vector(vec![cosine]))));
         let (short, label) = labels(&self.branch, kind);
         let list = self.prepared.problem.parameters();
@@ -222,7 +233,7 @@ impl Cycles<'_> {
     }
 }
 
-/// Period, frequency, and the largest and smallest value of each observable.
+/// Period, frequency, drift velocities, and the largest and smallest value of each observable.
 pub fn measure(
     problem: &dyn Problem,
     observables: &[usize],
@@ -231,6 +242,7 @@ pub fn measure(
     p: &[f64],
 ) -> Vec<f64> {
     let mut values = vec![orbit.period(), 1.0 / orbit.period()];
+    values.extend_from_slice(&orbit.drift);
     for &i in observables {
         let extremes = orbit.extremes(problem, i, p, symmetry);
         values.extend([extremes.max, extremes.min]);
