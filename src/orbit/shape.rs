@@ -73,6 +73,11 @@ impl Orbit {
         (u, v)
     }
 
+    /// From u' in the frame that turns with the orbit to the rate at rest, seen from that frame.
+    pub fn add_drift(&self, problem: &dyn Problem, u: &[f64], v: &mut [f64]) {
+        add_drift(problem.rotations(), &self.drift, u, v);
+    }
+
     /// u and u' at any multiple t of P, by symmetry.
     pub fn anywhere(&self, t: f64, scheme: &Scheme, symmetry: &Reflection) -> (Vec<f64>, Vec<f64>) {
         let turns = t.floor();
@@ -105,13 +110,36 @@ impl Orbit {
         Self { nodes, dim, ..self.clone() }
     }
 
+    /// The mean of a function of (u, u') over the whole period, by the collocation points' quadrature: as accurate as the
+    /// period itself.
+    pub fn mean(&self, symmetry: &Reflection, value: &dyn Fn(&[f64], &[f64]) -> f64) -> f64 {
+        let scheme = self.scheme();
+        let mut sum = 0.0;
+        for part in 0..self.parts {
+            for w in self.mesh.windows(2) {
+                for (c, weight) in scheme.points.iter().zip(&scheme.weights) {
+                    let tau = w[0] + c * (w[1] - w[0]);
+                    // The last Radau point of a part belongs to it, not to the next.
+                    let (mut u, mut v) = self.at(tau, &scheme);
+                    for _ in 0..part {
+                        let (old_u, old_v) = (u.clone(), v.clone());
+                        symmetry.apply(&old_u, &mut u);
+                        symmetry.apply(&old_v, &mut v);
+                    }
+                    sum += weight * (w[1] - w[0]) * value(&u, &v);
+                }
+            }
+        }
+        sum / self.parts as f64
+    }
+
     /// The largest and smallest value of a functional over the whole period: sampled four times per node, then refined
     /// by Brent's method.
     pub fn extremes(&self, problem: &dyn Problem, observable: usize, p: &[f64], symmetry: &Reflection) -> Extremes {
         let scheme = self.scheme();
         let value = |t: f64| -> f64 {
             let (u, mut v) = self.anywhere(t, &scheme, symmetry);
-            add_drift(problem.rotations(), &self.drift, &u, &mut v);
+            self.add_drift(problem, &u, &mut v);
             problem.observe(observable, At { u: &u, v: &v, p })
         };
         let samples: Vec<f64> = (0..self.parts)

@@ -3,7 +3,7 @@
 use super::origin::{FIRST_DISTANCE, Origin};
 use super::{Cycles, CyclesError};
 use crate::branch::SpecialPoint;
-use crate::continuation::{Border, Counts, Point, correct};
+use crate::continuation::{Counts, Point};
 use crate::linalg::dot;
 use crate::orbit::bifurcations::Departure;
 use crate::orbit::{Collocation, Frame, Modulation, Orbit};
@@ -31,45 +31,39 @@ impl Cycles<'_> {
             stored.tangent = modulation.mode(mesh);
             let symmetry = Reflection::identity(stored.orbit.dim);
             let frame = Frame { symmetry, parts: 1, scale_part: stored.orbit.part, ..frame };
-            return Ok(Origin::Relative { stored, frame, modulation: Some(modulation) });
+            return Ok(Origin::Wave { stored, frame, modulation });
         }
         if stored.orbit.parts == 2 && !rotations.iter().all(|rotation| rotation.commutes_with(&frame.symmetry)) {
             return Err(CyclesError::Reflected(from.label.clone()));
         }
         stored.orbit.drift.resize(rotations.len(), 0.0);
+        stored.tangent.drift.resize(rotations.len(), 0.0);
         if rotations.iter().any(|rotation| {
             let [turned, rate, product] = moments(&stored.orbit, |u, out| rotation.add(1.0, u, out));
             turned == 0.0 || product * product > (1.0 - PARALLEL) * turned * rate
         }) {
             return Err(CyclesError::Unmoved(from.label.clone()));
         }
-        Ok(Origin::Relative { stored, frame, modulation: None })
+        Ok(Origin::Amid { stored })
     }
 
-    pub(super) fn from_relative(
+    /// The first modulated wave.
+    pub(super) fn from_wave(
         &self,
-        (stored, frame): (&StoredCycle, &Frame),
-        modulation: Option<&Modulation>,
+        stored: &StoredCycle,
+        frame: Frame,
+        modulation: &Modulation,
         counts: &mut Counts,
     ) -> Result<Departure, CyclesError> {
-        let system = Collocation::new(frame.clone(), &stored.orbit);
-        let lambda = stored.p[self.prepared.free];
-        let x = Collocation::unknowns(&stored.orbit);
-        if let Some(modulation) = modulation {
-            let mesh = (stored.orbit.intervals(), stored.orbit.degree, stored.orbit.points);
-            let x = Collocation::unknowns(&modulation.orbit(0.0, mesh));
-            let tangent = Collocation::unknowns(&stored.tangent);
-            let point = Point { x, lambda, tangent, tangent_lambda: 0.0 };
-            return Ok(Departure::along(system, &point, FIRST_DISTANCE, counts)?);
-        }
-        let border = Border { row: vec![0.0; x.len()], lambda: 1.0 };
-        let mut corrected = correct(&system, (x, lambda), &border, counts)?;
-        let range = &self.task.along.range;
-        let ahead = if range.to - lambda >= lambda - range.from { 1.0 } else { -1.0 };
-        if corrected.point.tangent_lambda * ahead < 0.0 {
-            crate::bifurcation::reverse(&mut corrected.point);
-        }
-        Ok(Departure { system, origin: corrected.point.clone(), corrected })
+        let mesh = (stored.orbit.intervals(), stored.orbit.degree, stored.orbit.points);
+        let system = Collocation::new(frame, &stored.orbit);
+        let point = Point {
+            x: Collocation::unknowns(&modulation.orbit(0.0, mesh)),
+            lambda: stored.p[self.prepared.free],
+            tangent: Collocation::unknowns(&stored.tangent),
+            tangent_lambda: 0.0,
+        };
+        Ok(Departure::along(system, &point, FIRST_DISTANCE, counts)?)
     }
 }
 
