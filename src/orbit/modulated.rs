@@ -16,7 +16,7 @@ use crate::problem::{At, Problem};
 use faer::Mat;
 use std::f64::consts::PI;
 
-/// The wave moves along the rotations but for this part of its speed, or it is none.
+/// The rotations balance all forces but this part of them, or it is no such wave.
 const WAVE: f64 = 1e-4;
 
 /// A rotating wave with the mode that grows on it.
@@ -31,27 +31,35 @@ impl Modulation {
     /// From the wave as a cycle; None if it is no rotating wave, or no pair of its eigenvalues is complex.
     pub fn new(problem: &dyn Problem, cycle: &Orbit, p: &[f64]) -> Option<Self> {
         let rotations = problem.rotations();
-        let (u, rate) = cycle.at(0.0, &cycle.scheme());
-        let directions: Vec<Vec<f64>> = rotations
+        let u = cycle.node(0).to_vec();
+        // The velocities with which u, at rest, solves the equations best; these are linear in the rate.
+        let still = vec![0.0; u.len()];
+        let (_, mass) = problem.matrices(At { u: &u, v: &still, p });
+        let mut rest = still.clone();
+        problem.residual(At { u: &u, v: &still, p }, &mut rest);
+        let columns: Vec<Vec<f64>> = rotations
             .iter()
             .map(|rotation| {
-                let mut direction = vec![0.0; u.len()];
-                rotation.add(1.0, &u, &mut direction);
-                direction
+                let (mut turned, mut column) = (still.clone(), still.clone());
+                rotation.add(1.0, &u, &mut turned);
+                mass.times(&turned, &mut column);
+                column
             })
             .collect();
-        let count = directions.len();
-        let gram = Mat::from_fn(count, count, |i, j| dot(&directions[i], &directions[j]));
-        let mut drift: Vec<f64> = directions.iter().map(|direction| dot(direction, &rate)).collect();
+        let count = columns.len();
+        let gram = Mat::from_fn(count, count, |i, j| dot(&columns[i], &columns[j]));
+        let mut drift: Vec<f64> = columns.iter().map(|column| -dot(column, &rest)).collect();
         Lu::new(gram.as_ref()).ok()?.solve(&mut drift);
-        let mut v = vec![0.0; u.len()];
-        super::shape::add_drift(rotations, &drift, &u, &mut v);
-        let rest: Vec<f64> = v.iter().zip(&rate).map(|(v, rate)| v - rate).collect();
-        let speed = dot(&rate, &rate);
+        let force = dot(&rest, &rest);
+        for (column, c) in columns.iter().zip(&drift) {
+            rest.iter_mut().zip(column).for_each(|(r, x)| *r += c * x);
+        }
         // Written so that a number that is none fails.
-        if !(speed > 0.0 && dot(&rest, &rest) < WAVE * WAVE * speed) {
+        if !(force > 0.0 && dot(&rest, &rest) < WAVE * WAVE * force) {
             return None;
         }
+        let mut v = still;
+        super::shape::add_drift(rotations, &drift, &u, &mut v);
         let (gu, gv) = turned(problem.matrices(At { u: &u, v: &v, p }), rotations, &drift);
         let (gu, gv) = (gu.into_dense(), gv.into_dense());
         // Not an eigenvalue itself, as zero is.

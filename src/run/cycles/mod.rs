@@ -45,6 +45,8 @@ enum CyclesError {
          EP of cycles that are no rotating waves"
     )]
     NoWave(String),
+    #[error("the start {0} drifts along rotations, so that it closes in a frame only that turns: relative = true")]
+    Drifts(String),
     #[error(
         "{0} obeys a symmetry over half a period that turns the rotations round: there is no drift; compute it with \
          symmetry = \"none\""

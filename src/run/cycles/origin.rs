@@ -76,6 +76,9 @@ impl Cycles<'_> {
             let stored = StoredCycle::read(self.prepared, from);
             let stored = stored.ok_or_else(|| CyclesError::Incomplete(from.label.clone()))?;
             inside(stored.p[self.prepared.free])?;
+            if !self.task.relative && !stored.orbit.drift.is_empty() {
+                return Err(CyclesError::Drifts(from.label.clone()));
+            }
             if stored.still() {
                 return Err(CyclesError::Still(from.label.clone()));
             }
