@@ -432,7 +432,7 @@ kind = "cycles"
 relative = true
 from = "modulated/UZ1"
 free = "mu"
-range = [1.1, 1.2]
+range = [1.1, 1.25]
 points = "gauss"
 degree = 5
 "#;
@@ -530,10 +530,13 @@ fn a_rotating_wave_becomes_modulated() {
     assert_eq!(modulated.rows[here].stable, Some(true));
     // Started again at the stored point, drift included.
     let again = whole.branch("scene", "again");
+    let distance = |row: &usize| (value(&again, *row, "mu") - 1.2).abs();
+    let same = (0..again.rows.len()).min_by(|i, j| distance(i).total_cmp(&distance(j))).expect("a row");
     for column in ["mu", "period", "drift_1"] {
-        close(column, value(&again, 0, column), value(&modulated, here, column), 1e-7);
+        close(column, value(&again, same, column), value(&modulated, here, column), 1e-7);
     }
-    assert!(value(&again, again.rows.len() - 1, "mu") < 1.1 + 1e-9);
+    near("one end", value(&again, 0, "mu"), 1.1, 1e-9);
+    near("the other end", value(&again, again.rows.len() - 1, "mu"), 1.25, 1e-9);
 }
 
 #[test]
