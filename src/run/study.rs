@@ -336,7 +336,7 @@ impl Study {
         let of_cycles = [&["period", "frequency", "trivial_error"][..], &cycles::VALUES].concat();
         let own: &[&str] = match task.kind {
             TaskKind::Equilibria(_) => &equilibria::VALUES,
-            TaskKind::Diagram(_) => &[&equilibria::VALUES[..], &["period", "trivial_error"]].concat(),
+            TaskKind::Diagram(_) => &[&equilibria::VALUES[..], &of_cycles[..]].concat(),
             TaskKind::Cycles(_) => &of_cycles,
             TaskKind::LpcCurve(_) => cycle_curve::values(Critical::Fold),
             TaskKind::PdCurve(_) => cycle_curve::values(Critical::Flip),

@@ -155,9 +155,9 @@ impl Cycles<'_> {
     ) -> Result<(Collocation, WalkState), CyclesError> {
         let (mut system, still, first) = match origin {
             Origin::Amid { stored } => return self.amid(origin, stored, way, counts),
-            Origin::Hopf { .. } => self.from_hopf(origin, counts)?,
+            Origin::Hopf { .. } => self.born(origin, counts)?,
             Origin::Cycle { stored, flip } => {
-                let Departure { system, origin, corrected } = self.from_cycle(stored, *flip, way, counts)?;
+                let Departure { system, origin, corrected } = self.depart(stored, *flip, way, counts)?;
                 (system, origin, corrected)
             }
             Origin::Wave { stored, modulation, .. } => {
@@ -222,7 +222,8 @@ impl Cycles<'_> {
         Ok((system, state))
     }
 
-    fn from_hopf(
+    /// The first cycle near a Hopf point.
+    fn born(
         &self,
         origin: &Origin,
         counts: &mut Counts,
@@ -251,7 +252,7 @@ impl Cycles<'_> {
     }
 
     /// Solves for the bifurcation anew, on the mesh of this task, and leaves along the other branch.
-    fn from_cycle(
+    fn depart(
         &self,
         stored: &StoredCycle,
         flip: bool,
