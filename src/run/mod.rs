@@ -108,6 +108,7 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
                 TaskKind::LpcCurve(_) => start::check_cycle(scene, (from, at), "LPC", "a fold of cycles")?,
                 TaskKind::PdCurve(_) => start::check_cycle(scene, (from, at), "PD", "a period doubling")?,
                 TaskKind::NsCurve(_) => start::check_cycle(scene, (from, at), "NS", "a torus bifurcation")?,
+                TaskKind::Cycles(ref cycles) if cycles.relative => start::check_relative(scene, &prepared, from, at)?,
                 TaskKind::Cycles(_) if start::is_cycle(scene, from) => {}
                 _ => start::check(scene, from, at)?,
             }

@@ -433,9 +433,9 @@ impl Study {
     }
 }
 
-/// Columns that spectra, multipliers and logarithmic parameters bring.
+/// Columns that spectra, multipliers, drift and logarithmic parameters bring.
 fn is_spectral(name: &str) -> bool {
-    ["re_", "im_", "mu_", "log10 "].iter().any(|prefix| name.starts_with(prefix))
+    ["re_", "im_", "mu_", "drift_", "log10 "].iter().any(|prefix| name.starts_with(prefix))
 }
 
 fn build(scene: &Scene) -> Result<Arc<dyn Problem>, SceneError> {

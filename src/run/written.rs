@@ -41,6 +41,7 @@ pub fn build(scene: &Scene, model: &ModelText) -> Result<Arc<Text>, SceneError> 
             })
             .collect(),
         symmetry: model.symmetry.as_ref().map(|words| words.text.clone()),
+        rotations: model.rotations.iter().map(|words| words.text.clone()).collect(),
         time_unit: model.time_unit.clone(),
         reserved: reserved().into_iter().map(str::to_owned).collect(),
     };
@@ -68,6 +69,7 @@ pub fn refuse(scene: &Scene, model: &ModelText, error: TextError) -> SceneError 
         }
         Part::Observable(name) => (model.observables.iter().find(|observable| observable.name == *name))
             .map_or(nowhere, |observable| in_words(&observable.expression)),
+        Part::Rotation(k) => model.rotations.get(*k).map_or(nowhere, in_words),
         Part::Symmetry => model.symmetry.as_ref().map_or(nowhere, in_words),
     };
     scene.fault(&at, Fault::Text { position, message: error.wrong.message })

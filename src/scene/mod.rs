@@ -92,6 +92,8 @@ pub struct ModelText {
     pub start: Vec<(String, Words)>,
     pub observables: Vec<TextObservable>,
     pub symmetry: Option<Words>,
+    /// Quarter turns of continuous symmetries.
+    pub rotations: Vec<Words>,
     pub time_unit: String,
 }
 
@@ -357,6 +359,9 @@ pub struct Cycles {
     pub symmetry: bool,
     /// Kinds of special points looked for: "LPC", "PD", "NS", "BPC".
     pub detect: Vec<String>,
+    /// `relative = true`: orbits close up to the model's rotations, with columns `drift_1`, ...; starts are points of other
+    /// cycles: NS of a rotating wave, UZ, EP. Default false.
+    pub relative: bool,
 }
 
 impl Cycles {

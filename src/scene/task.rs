@@ -23,7 +23,8 @@ pub const TASK_KINDS: [&str; 11] = [
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
 const EQUILIBRIA: [&str; 6] = ["log", "from", "start", "state", "spectrum", "detect"];
-const CYCLES: [&str; 8] = ["from", "intervals", "tolerance", "degree", "points", "multipliers", "symmetry", "detect"];
+const CYCLES: [&str; 9] =
+    ["from", "intervals", "tolerance", "degree", "points", "multipliers", "symmetry", "detect", "relative"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
 const CALIBRATION: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "targets", "starts", "errors"];
 const MAP: [&str; 7] = ["name", "kind", "free", "range", "log", "grid", "errors"];
@@ -153,10 +154,22 @@ fn detect(entry: &Entry<'_>, kinds: &[&'static str]) -> Result<Vec<String>, Scen
 
 fn cycles(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Result<Cycles, SceneError> {
     let from = section.need("from", "from = \"TASK/HB1\", the point where the cycles are born")?;
+    let relative = match section.get("relative") {
+        Some(entry) => entry.flag()?,
+        None => false,
+    };
+    if let (true, Some(detect)) = (relative, section.get("detect"))
+        && !detect.texts()?.is_empty()
+    {
+        let message =
+            "bifurcations of relative periodic orbits are not looked for; leave out detect, or relative = true";
+        return Err(detect.error(Fault::Other(message.to_owned())));
+    }
     if !is_file(from.text()?) {
         label::check(from.text()?, read, announced).map_err(|fault| from.error(fault))?;
     }
     Ok(Cycles {
+        relative,
         along: along::read(section)?,
         from: from.text()?.to_owned(),
         from_at: from.at,

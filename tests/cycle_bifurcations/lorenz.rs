@@ -47,7 +47,7 @@ pub fn symmetric_cycle(rho: f64, intervals: usize) -> (Frame, Orbit) {
     }
     nodes.extend([-nodes[0], -nodes[1], nodes[2]]);
     let mesh = (0..=intervals).map(|j| j as f64 / intervals as f64).collect();
-    let orbit = Orbit { mesh, points: Points::Gauss, degree, nodes, dim: 3, part, parts: 2 };
+    let orbit = Orbit { mesh, points: Points::Gauss, degree, nodes, dim: 3, part, parts: 2, drift: Vec::new() };
     let problem = Lorenz::problem();
     let frame = Frame {
         symmetry: problem.reflection().expect("a reflection"),

@@ -11,7 +11,7 @@ use super::tape::Tape;
 use super::unknowns::{self, Unknowns, defines};
 use super::{Part, TextError, Written, WrittenDefault, Wrong, symmetry};
 use crate::expression::{Expression, Function, Node, RESERVED, Statement, statement, statements, suggest};
-use crate::problem::{Bounds, Default, Observable, Parameter};
+use crate::problem::{Bounds, Default, Observable, Parameter, Rotation};
 use std::sync::Arc;
 
 /// Up to so many unknowns are all observables by their names.
@@ -52,6 +52,7 @@ pub fn build(written: &Written) -> Result<Arc<Text>, TextError> {
         structure,
         linearisation: Linearisation::new(&scope.graph, &rows),
         reflection: None,
+        rotations: Vec::new(),
         time_unit: intern(&written.time_unit),
         names: unknowns.names,
         start_names: written.start.iter().map(|(name, _)| name.clone()).collect(),
@@ -65,7 +66,17 @@ pub fn build(written: &Written) -> Result<Arc<Text>, TextError> {
             Some(read.map_err(|wrong| TextError { part: Part::Symmetry, wrong })?)
         }
     };
-    Ok(Arc::new(Text { reflection, ..text }))
+    let rotations = written.rotations.iter().enumerate().map(|(k, rotation)| {
+        let read = symmetry::rotation(&text, rotation, &written.constants);
+        read.map_err(|wrong| TextError { part: Part::Rotation(k), wrong })
+    });
+    let rotations: Vec<Rotation> = rotations.collect::<Result<_, _>>()?;
+    if let Some(k) = (1..rotations.len()).find(|&k| rotations[..k].iter().any(|other| !other.commutes(&rotations[k]))) {
+        let message =
+            "rotations must commute; this one does not with one before it, or turns the same pairs".to_owned();
+        return Err(TextError { part: Part::Rotation(k), wrong: Wrong { offset: None, message } });
+    }
+    Ok(Arc::new(Text { reflection, rotations, ..text }))
 }
 
 /// Keys of the scene that are to be names in expressions must look like names.

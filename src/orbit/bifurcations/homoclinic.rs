@@ -46,7 +46,7 @@ const MOST_STEPS: usize = 20;
 impl Passage {
     pub fn new(system: &Collocation, point: &Point) -> Self {
         let parts = system.frame.parts as f64;
-        let part = |x: &[f64]| x[x.len() - 1] * parts;
+        let part = |x: &[f64]| system.part(x) * parts;
         Self { lambda: point.lambda, period: part(&point.x), slope: point.tangent_lambda / part(&point.tangent) }
     }
 }
@@ -58,6 +58,10 @@ impl Homoclinic {
         (system, point): (&Collocation, &Point),
         extent: f64,
     ) -> Option<Self> {
+        // Relative orbits end at relative equilibria, which are not looked for.
+        if !system.reference().drift.is_empty() {
+            return None;
+        }
         let growing = first.period < second.period && second.period < third.period;
         let estimate = |a: Passage, b: Passage| {
             let rate = -(b.slope - a.slope) / (b.lambda - a.lambda);
