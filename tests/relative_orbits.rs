@@ -40,7 +40,7 @@ const D: f64 = 0.25;
 const MEAN_SQUARE: f64 = 1.0 + 0.5 * E * E;
 
 impl Driven {
-    fn new(amplitudes: usize) -> Arc<dyn Problem> {
+    fn problem(amplitudes: usize) -> Arc<dyn Problem> {
         let rotations = (0..amplitudes).map(|k| Rotation { planes: vec![(2 + 2 * k, 3 + 2 * k, 1.0)] }).collect();
         let observables = vec![Observable { name: "momentum", unit: "", meaning: "" }];
         Arc::new(Automatic(Self { amplitudes, parameters: vec![parameter("Omega", 0.5)], rotations, observables }))
@@ -124,7 +124,7 @@ fn solved(frame: Frame, orbit: &Orbit) -> Result<Solved, Failure> {
 
 /// The exact orbit's neighbour: amplitudes without their modulation, and velocities a little off.
 fn driven(amplitudes: usize, mesh: (usize, usize, Points)) -> Solved {
-    let problem = Driven::new(amplitudes);
+    let problem = Driven::problem(amplitudes);
     let state = |tau: f64| {
         let (sin, cos) = (TAU * tau).sin_cos();
         let phase = B / W * sin;
@@ -374,7 +374,7 @@ fn banded_and_dense_factors_agree_in_a_frame_that_turns() {
 fn an_orbit_that_a_rotation_does_not_move_has_no_drift() {
     let state = |tau: f64| [(TAU * tau).cos(), (TAU * tau).sin(), 0.0, 0.0].to_vec();
     let orbit = sampled(state, (TAU / W, vec![0.1]), (10, 4, Points::Gauss));
-    assert!(solved(frame(&Driven::new(1), vec![0.5]), &orbit).is_err());
+    assert!(solved(frame(&Driven::problem(1), vec![0.5]), &orbit).is_err());
 }
 
 /// A = a + i b rotates with |A|² = mu for mu > 0. Where |A|² > 1, (x, y) oscillates and modulates it.

@@ -27,7 +27,7 @@ pub fn build(written: &Written) -> Result<Arc<Text>, TextError> {
     }
     let names: Vec<String> = written.parameters.iter().map(|parameter| parameter.name.clone()).collect();
     let mut scope = Scope::new(&text, &written.constants, &names);
-    let starts = written.start.iter().map(|entry| read_start(entry)).collect::<Result<Vec<Statement>, TextError>>()?;
+    let starts = written.start.iter().map(read_start).collect::<Result<Vec<Statement>, TextError>>()?;
     functions(&mut scope, &text).map_err(TextError::in_equations)?;
     let unknowns = unknowns::find(&mut scope, &text, written, &starts)?;
     let n = unknowns.names.len();
@@ -256,8 +256,11 @@ fn start(
     Ok(ids)
 }
 
+/// Names of indices with their values.
+type Indices = Vec<(String, i64)>;
+
 /// The unknowns that an entry of [model.start] speaks of, with the values of its indices.
-fn started(scope: &Scope<'_>, start: &Statement) -> Result<Vec<(usize, Vec<(String, i64)>)>, Wrong> {
+fn started(scope: &Scope<'_>, start: &Statement) -> Result<Vec<(usize, Indices)>, Wrong> {
     let (name, indices) = match &start.left {
         Node::Name(name, _) => (name, None),
         Node::Element(name, indices, _) => (name, Some(&indices[..])),

@@ -28,7 +28,7 @@ pub enum Origin {
     /// nu = -1 (flip) or +1, at a cycle on the mesh of the new task.
     Cycle { stored: StoredCycle, flip: bool },
     /// Where a rotating wave becomes modulated; the frame of the orbits that leave it.
-    Wave { stored: StoredCycle, frame: Frame, modulation: Modulation },
+    Wave { stored: StoredCycle, frame: Frame, modulation: Box<Modulation> },
     /// A cycle of a branch that goes on on both sides.
     Amid { stored: StoredCycle },
 }
@@ -162,7 +162,7 @@ impl Cycles<'_> {
             }
             Origin::Wave { stored, modulation, .. } => {
                 let frame = self.frame(origin)?;
-                let Departure { system, origin, corrected } = self.from_wave(stored, frame, modulation, counts)?;
+                let Departure { system, origin, corrected } = self.leave_wave(stored, frame, modulation, counts)?;
                 (system, origin, corrected)
             }
         };

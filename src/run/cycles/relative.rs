@@ -31,7 +31,7 @@ impl Cycles<'_> {
             stored.tangent = modulation.mode(mesh);
             let symmetry = Reflection::identity(stored.orbit.dim);
             let frame = Frame { symmetry, parts: 1, scale_part: stored.orbit.part, ..frame };
-            return Ok(Origin::Wave { stored, frame, modulation });
+            return Ok(Origin::Wave { stored, frame, modulation: Box::new(modulation) });
         }
         if stored.orbit.parts == 2 && !rotations.iter().all(|rotation| rotation.commutes_with(&frame.symmetry)) {
             return Err(CyclesError::Reflected(from.label.clone()));
@@ -48,7 +48,7 @@ impl Cycles<'_> {
     }
 
     /// The first modulated wave.
-    pub(super) fn from_wave(
+    pub(super) fn leave_wave(
         &self,
         stored: &StoredCycle,
         frame: Frame,
