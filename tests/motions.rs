@@ -15,7 +15,12 @@ fn close(what: &str, found: f64, expected: f64, tolerance: f64) {
     assert!((found - expected).abs() <= tolerance * expected.abs(), "{what}: {found} instead of {expected}");
 }
 
-fn end<F: Formula + Send + Sync>(formula: F, start: &[f64], to: f64, control: Control) -> Result<Motion, SimulateError> {
+fn end<F: Formula + Send + Sync>(
+    formula: F,
+    start: &[f64],
+    to: f64,
+    control: Control,
+) -> Result<Motion, SimulateError> {
     let mut counts = Counts::default();
     let course = Course::steady(0.0, to, &[]);
     integrate(&Automatic(formula), start, &course, &control, &mut counts, &mut |_| ControlFlow::Continue(()))
@@ -59,12 +64,12 @@ impl Formula for Pol {
 fn pol(length: f64, time: f64, method: Method, tolerance: f64) -> Box<Cycle> {
     let problem = Automatic(Pol { length, time });
     let course = Course::steady(0.0, 200.0 * time, &[]);
-    let search = Search { observables: &[], stop: true, errors: true };
+    let search = Search { observables: &[], recognise: true, stop: true, errors: true };
     let mut counts = Counts::default();
     let nothing = &mut |_: &hopfline::simulate::Step| ControlFlow::Continue(());
     let control = control(method, tolerance);
     let found = settle(&problem, &[0.1 * length, 0.0], (&course, &control), &search, &mut counts, nothing);
-    match found.expect("a motion").1 {
+    match found.expect("a motion").attractor {
         Attractor::Cycle(cycle) => cycle,
         other => panic!("{other:?}"),
     }
@@ -107,7 +112,8 @@ fn a_differential_algebraic_start_is_made_consistent() {
         let (sine, cosine) = (0.75_f64.sqrt(), 0.5);
         // 4 K(sin 30 deg) with g = l = 1 (Abramowitz and Stegun 17.3.1).
         const PERIOD: f64 = 4.0 * 1.685_750_354_812_596;
-        let motion = end(Pendulum, &[sine, -cosine, 0.0, 0.0, 7.0], 0.5 * PERIOD, control(method, 1e-9)).expect("a motion");
+        let motion =
+            end(Pendulum, &[sine, -cosine, 0.0, 0.0, 7.0], 0.5 * PERIOD, control(method, 1e-9)).expect("a motion");
         assert!((motion.u[0] + sine).abs() < 1e-6 && (motion.u[1] + cosine).abs() < 1e-6, "{motion:?}");
         assert!((motion.u[4] - cosine).abs() < 1e-6, "{motion:?}");
     }
@@ -159,7 +165,10 @@ fn what_cannot_be_followed_is_named() {
             Err(SimulateError::Step { time, .. } | SimulateError::NotFinite { time }) => close("time", time, 1.0, 1e-3),
             other => panic!("{other:?}"),
         }
-        assert!(matches!(end(NoStart, &[0.0, 1.0], 1.0, control), Err(SimulateError::Inconsistent { .. } | SimulateError::Index { .. })));
+        assert!(matches!(
+            end(NoStart, &[0.0, 1.0], 1.0, control),
+            Err(SimulateError::Inconsistent { .. } | SimulateError::Index { .. })
+        ));
         assert!(matches!(end(HighIndex, &[1.0, 0.0], 1.0, control), Err(SimulateError::Index { .. })));
         assert_eq!(end(Root, &[f64::NAN], 1.0, control).map(drop), Err(SimulateError::Start));
     }

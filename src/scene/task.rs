@@ -2,11 +2,12 @@
 
 use super::entry::{Entry, Section};
 use super::label::{self, Announced};
+use super::simulate;
 use super::tree::Content;
 use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, map, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 10] = [
+pub const TASK_KINDS: [&str; 11] = [
     "equilibria",
     "cycles",
     "hopf-curve",
@@ -17,6 +18,7 @@ pub const TASK_KINDS: [&str; 10] = [
     "hopf-surface",
     "calibration",
     "map",
+    "simulate",
 ];
 
 const COMMON: [&str; 9] =
@@ -38,7 +40,10 @@ pub(super) fn read(
     announced: &[Announced],
 ) -> Result<Task, SceneError> {
     // A misspelt "kind" is to be named as such, so first the keys that no kind knows.
-    section.allow("key", &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts", "grid", "tolerance"]].concat())?;
+    section.allow(
+        "key",
+        &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts", "grid", "tolerance"], &simulate::KEYS].concat(),
+    )?;
     let kinds = TASK_KINDS.map(|kind| format!("{kind:?}")).join(" or ");
     let kind = section.need("kind", &format!("kind = {kinds}"))?;
     let kind = match kind.choice("task kind", &TASK_KINDS)? {
@@ -76,6 +81,10 @@ pub(super) fn read(
         "calibration" => {
             section.allow("key of a calibration task", &CALIBRATION)?;
             TaskKind::Calibration(calibration::read(section, read, announced)?)
+        }
+        "simulate" => {
+            section.allow("key of a simulate task", &simulate::KEYS)?;
+            TaskKind::Simulate(simulate::read(section, read, announced)?)
         }
         "map" => {
             section.allow("key of a map task", &MAP)?;

@@ -2,7 +2,7 @@
 
 use super::form::norm;
 use super::integrate::{Control, Course, Motion, Step, integrate};
-use super::returns::{Range, Return, Returns};
+use super::returns::{Range, Return, Returns, observe};
 use super::{Ring, SimulateError};
 use crate::continuation::Counts;
 use crate::problem::Problem;
@@ -12,6 +12,8 @@ use std::ops::ControlFlow;
 #[derive(Clone, Debug)]
 pub struct Search<'a> {
     pub observables: &'a [usize],
+    /// Whether anything is looked for.
+    pub recognise: bool,
     /// Whether the motion ends where a cycle is recognised.
     pub stop: bool,
     /// Whether errors are estimated by another run, with ten times the tolerance.
@@ -44,7 +46,20 @@ pub enum Attractor {
     /// finite time can show.
     Torus(Ring),
     /// Returns neither repeat nor fill a curve, within the time given.
-    Open { returns: usize },
+    Open {
+        returns: usize,
+    },
+    /// Nothing was looked for.
+    Unknown,
+}
+
+/// A motion's end, and what it settled on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settled {
+    pub last: Motion,
+    pub attractor: Attractor,
+    /// Largest and smallest values of the observables: over the cycle, or over the later half of the returns.
+    pub ranges: Vec<Range>,
 }
 
 /// What is left to a cycle, in parts of its size and of the tolerance.
@@ -66,7 +81,7 @@ pub fn settle(
     search: &Search,
     counts: &mut Counts,
     see: &mut dyn FnMut(&Step) -> ControlFlow<()>,
-) -> Result<(Motion, Attractor), SimulateError> {
+) -> Result<Settled, SimulateError> {
     let parameters = |t: f64| course.parameters(t);
     let mut returns = Returns::new(problem, &parameters, search.observables, course.to - course.from);
     let mut size = norm(start);
@@ -74,25 +89,40 @@ pub fn settle(
     let last = integrate(problem, start, course, control, counts, &mut |step| {
         size = size.max(norm(&step.to.u));
         let flow = see(step);
-        if returns.step(step) {
+        if search.recognise && returns.step(step) {
             found = recognise(&returns.list, control, size).or(found.take().filter(|_| search.stop));
         }
         if found.is_some() && search.stop { ControlFlow::Break(()) } else { flow }
     })?;
+    if !search.recognise {
+        return Ok(Settled { last, attractor: Attractor::Unknown, ranges: Vec::new() });
+    }
     if let Some(mut cycle) = found {
         if search.errors {
             compare(problem, (course, control), search, &mut cycle, counts);
         }
-        return Ok((last, Attractor::Cycle(Box::new(cycle))));
-    }
-    if norm(&last.v) * (course.to - course.from) <= RESTING * control.tolerance * size {
-        return Ok((last, Attractor::Steady));
+        let ranges = cycle.ranges.clone();
+        return Ok(Settled { last, attractor: Attractor::Cycle(Box::new(cycle)), ranges });
     }
     // The later half: what is left of the way there is shorter.
     let late = &returns.list[returns.list.len() / 2..];
+    let here = |&i: &usize| {
+        let value = observe(problem, &parameters, i, &last);
+        Range { max: value, min: value }
+    };
+    let mut ranges: Vec<Range> = search.observables.iter().map(here).collect();
+    if norm(&last.v) * (course.to - course.from) <= RESTING * control.tolerance * size {
+        return Ok(Settled { last, attractor: Attractor::Steady, ranges });
+    }
+    for lap in late {
+        ranges.iter_mut().zip(&lap.ranges).for_each(|(range, lap)| {
+            *range = Range { max: range.max.max(lap.max), min: range.min.min(lap.min) };
+        });
+    }
     let points: Vec<&[f64]> = late.iter().map(|at| at.u.as_slice()).collect();
     let ring = Ring::of(&points, NOISE * (control.tolerance + control.absolute) * size);
-    Ok((last, ring.map_or(Attractor::Open { returns: returns.list.len() }, Attractor::Torus)))
+    let attractor = ring.map_or(Attractor::Open { returns: returns.list.len() }, Attractor::Torus);
+    Ok(Settled { last, attractor, ranges })
 }
 
 /// A cycle, if the last returns repeat.
@@ -150,14 +180,13 @@ fn compare(
     counts: &mut Counts,
 ) {
     const COARSER: f64 = 10.0;
-    let coarse =
-        Control { tolerance: COARSER * control.tolerance, absolute: COARSER * control.absolute, ..*control };
+    let coarse = Control { tolerance: COARSER * control.tolerance, absolute: COARSER * control.absolute, ..*control };
     let p = course.parameters(cycle.time);
     let again = Course::steady(0.0, course.to - course.from, &p);
     let search = Search { stop: true, errors: false, ..search.clone() };
     let nothing = &mut |_: &Step| ControlFlow::Continue(());
     let other = settle(problem, &cycle.at, (&again, &coarse), &search, counts, nothing);
-    if let Ok((_, Attractor::Cycle(other))) = other {
+    if let Ok(Settled { attractor: Attractor::Cycle(other), .. }) = other {
         let values = |cycle: &Cycle| {
             std::iter::once(cycle.period).chain(cycle.ranges.iter().flat_map(|range| [range.max, range.min])).collect()
         };

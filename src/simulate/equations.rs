@@ -6,8 +6,8 @@ use super::form::Form;
 use crate::linalg::{Matrix, finite};
 use crate::problem::At;
 use diffsol::{
-    ConstantOp, FaerContext, FaerSparseMat, FaerVec, LinearOp, Matrix as _, NonLinearOp,
-    NonLinearOpJacobian, OdeEquations, OdeEquationsRef, Op, ParameterisedOp, UnitCallable, Vector as _, VectorCommon as _,
+    ConstantOp, FaerContext, FaerSparseMat, FaerVec, LinearOp, Matrix as _, NonLinearOp, NonLinearOpJacobian,
+    OdeEquations, OdeEquationsRef, Op, ParameterisedOp, UnitCallable, Vector as _, VectorCommon as _,
 };
 use faer::sparse::{Pair, SymbolicSparseColMat};
 use std::cell::{Cell, RefCell};

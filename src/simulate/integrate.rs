@@ -155,11 +155,15 @@ impl Leg<'_> {
         let outcome = match self.control.method {
             Method::Bdf => {
                 let solver = problem.bdf::<FaerSparseLU<f64>>();
-                solver.map_err(|error| refused(start.t, error.to_string())).and_then(|solver| self.steps(solver, start, see))
+                solver
+                    .map_err(|error| refused(start.t, error.to_string()))
+                    .and_then(|solver| self.steps(solver, start, see))
             }
             Method::Sdirk => {
                 let solver = problem.esdirk34::<FaerSparseLU<f64>>();
-                solver.map_err(|error| refused(start.t, error.to_string())).and_then(|solver| self.steps(solver, start, see))
+                solver
+                    .map_err(|error| refused(start.t, error.to_string()))
+                    .and_then(|solver| self.steps(solver, start, see))
             }
         };
         counts.residuals += problem.eqn.evaluations.get();
@@ -175,7 +179,9 @@ impl Leg<'_> {
     ) -> Result<End, SimulateError> {
         let duration = self.course.to - self.course.from;
         let time = |s: f64| self.course.from + s * duration;
-        solver.set_stop_time(1.0).map_err(|error| SimulateError::Integrator { time: start.t, reason: error.to_string() })?;
+        solver
+            .set_stop_time(1.0)
+            .map_err(|error| SimulateError::Integrator { time: start.t, reason: error.to_string() })?;
         let mut last = start;
         loop {
             let taken = solver.step();
@@ -220,7 +226,9 @@ impl Leg<'_> {
     }
 
     fn failure(&self, error: &diffsol::DiffsolError, time: f64, trouble: Option<Trouble>) -> SimulateError {
-        use diffsol::error::OdeSolverError::{StepSizeTooSmall, TooManyErrorTestFailures, TooManyNonlinearSolverFailures};
+        use diffsol::error::OdeSolverError::{
+            StepSizeTooSmall, TooManyErrorTestFailures, TooManyNonlinearSolverFailures,
+        };
         if trouble == Some(Trouble::NotFinite) {
             return SimulateError::NotFinite { time };
         }

@@ -18,11 +18,12 @@ mod attractor;
 mod equations;
 mod form;
 mod integrate;
-mod ring;
 mod returns;
+mod ring;
 
-pub use attractor::{Attractor, Cycle, Search, settle};
+pub use attractor::{Attractor, Cycle, Search, Settled, settle};
 pub use integrate::{Control, Course, Method, Motion, Step, integrate};
+pub use returns::Range;
 pub use ring::Ring;
 
 use thiserror::Error;
@@ -49,7 +50,9 @@ pub enum SimulateError {
          start; start elsewhere"
     )]
     Rate { unknown: usize, time: f64 },
-    #[error("the step size fell below {step:.1e} at t = {time}: the solution is not smooth there, or grows without bound")]
+    #[error(
+        "the step size fell below {step:.1e} at t = {time}: the solution is not smooth there, or grows without bound"
+    )]
     Step { time: f64, step: f64 },
     #[error("the integrator gave up at t = {time}: {reason}")]
     Integrator { time: f64, reason: String },

@@ -70,8 +70,7 @@ impl<'a> Returns<'a> {
         self.list.clear();
         self.since = motion.t;
         self.begin(motion);
-        self.section =
-            (length > 0.0).then(|| (motion.clone(), motion.v.iter().map(|v| v / length).collect()));
+        self.section = (length > 0.0).then(|| (motion.clone(), motion.v.iter().map(|v| v / length).collect()));
     }
 
     /// A new lap.

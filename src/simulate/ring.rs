@@ -46,8 +46,7 @@ impl Ring {
         order.sort_by(|&a, &b| angle(plane[a]).total_cmp(&angle(plane[b])));
         let mut deviation = 0.0_f64;
         for k in 0..order.len() {
-            let [a, x, b] =
-                [k + order.len() - 1, k, k + 1].map(|k| &offsets[order[k % order.len()]]);
+            let [a, x, b] = [k + order.len() - 1, k, k + 1].map(|k| &offsets[order[k % order.len()]]);
             let gap = (angle(plane[order[(k + 1) % order.len()]]) - angle(plane[order[k]])).rem_euclid(TAU);
             if gap > GAP * TAU {
                 return None;
@@ -104,7 +103,10 @@ mod tests {
 
     fn turned(radius: impl Fn(usize) -> f64) -> Vec<Vec<f64>> {
         const TURN: f64 = 0.381_966;
-        (0..100).map(|k| (k, TAU * TURN * k as f64)).map(|(k, a)| vec![radius(k) * a.cos(), radius(k) * a.sin(), 1.0]).collect()
+        (0..100)
+            .map(|k| (k, TAU * TURN * k as f64))
+            .map(|(k, a)| vec![radius(k) * a.cos(), radius(k) * a.sin(), 1.0])
+            .collect()
     }
 
     #[test]
