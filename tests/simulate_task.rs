@@ -100,7 +100,6 @@ fn a_flagellum_from_nearly_straight_settles_on_the_collocated_cycle() {
     let see = &mut |_: &hopfline::simulate::Step| ControlFlow::Continue(());
     let settled = settle(&*model.problem, &start, (&course, &control), &search, &mut counts, see).expect("a motion");
     let Attractor::Cycle(cycle) = settled.attractor else { panic!("{:?}", settled.attractor) };
-    println!("{} periods, {counts:?}", cycle.time / cycle.period);
     close("frequency", 1.0 / cycle.period, 1.0 / orbit.period(), 1e-6);
     close("largest tip deflection", cycle.ranges[0].max, *deflection, 1e-6);
 }

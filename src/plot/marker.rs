@@ -36,7 +36,7 @@ pub fn marks(branch: &Branch) -> Vec<Mark> {
 
 /// The kind that a label begins with: "HB12" is a Hopf point.
 fn kind_of(label: &str) -> Option<Kind> {
-    const ALL: [Kind; 27] = [
+    const ALL: [Kind; 28] = [
         Kind::HB,
         Kind::LP,
         Kind::BP,

@@ -6,6 +6,9 @@ use super::entry::{Entry, Section};
 use super::label::{self, Announced};
 use super::{Along, Axis, Fault, Range, SceneError, Simulate, Task};
 
+/// Keys that no other kind has.
+pub(super) const OWN: [&str; 8] = ["amplitude", "parameters", "time", "ramp", "over", "method", "absolute", "samples"];
+
 pub(super) const KEYS: [&str; 15] = [
     "name",
     "kind",

@@ -42,7 +42,7 @@ pub(super) fn read(
     // A misspelt "kind" is to be named as such, so first the keys that no kind knows.
     section.allow(
         "key",
-        &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts", "grid", "tolerance"], &simulate::KEYS].concat(),
+        &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts", "grid", "tolerance"], &simulate::OWN].concat(),
     )?;
     let kinds = TASK_KINDS.map(|kind| format!("{kind:?}")).join(" or ");
     let kind = section.need("kind", &format!("kind = {kinds}"))?;

@@ -90,7 +90,8 @@ pub fn settle(
         size = size.max(norm(&step.to.u));
         let flow = see(step);
         if search.recognise && returns.step(step) {
-            found = recognise(&returns.list, control, size).or(found.take().filter(|_| search.stop));
+            let kept = found.take().filter(|cycle| repeats(&returns.list, cycle.crossings, control));
+            found = recognise(&returns.list, control, size).or(kept);
         }
         if found.is_some() && search.stop { ControlFlow::Break(()) } else { flow }
     })?;
@@ -125,6 +126,19 @@ pub fn settle(
     Ok(Settled { last, attractor, ranges })
 }
 
+/// Whether the last return is as close to the one `q` before it as errors of the integrator let it be.
+fn repeats(list: &[Return], q: usize, control: &Control) -> bool {
+    let Some(k) = list.len().checked_sub(1).filter(|k| *k >= q) else { return false };
+    let extent = list[k + 1 - q..].iter().map(|lap| lap.extent).fold(0.0, f64::max);
+    gap(list, k, q) <= 0.1 * NOISE * control.tolerance.max(control.absolute) * extent
+}
+
+/// The distance of a return from the one `q` before it.
+fn gap(list: &[Return], k: usize, q: usize) -> f64 {
+    let apart: Vec<f64> = list[k].u.iter().zip(&list[k - q].u).map(|(a, b)| a - b).collect();
+    norm(&apart)
+}
+
 /// A cycle, if the last returns repeat.
 fn recognise(list: &[Return], control: &Control, size: f64) -> Option<Cycle> {
     let allowed = control.tolerance.max(control.absolute);
@@ -137,10 +151,7 @@ fn recognise(list: &[Return], control: &Control, size: f64) -> Option<Cycle> {
         if extent <= NOISE * control.absolute * size {
             return None;
         }
-        let gap = |k: usize| {
-            let apart: Vec<f64> = list[k].u.iter().zip(&list[k - q].u).map(|(a, b)| a - b).collect();
-            norm(&apart)
-        };
+        let gap = |k: usize| gap(list, k, q);
         let (now, before) = (gap(k), gap(k - q));
         let ratio = if before > 0.0 { now / before } else { 0.0 };
         let left = if ratio < 1.0 { now * ratio / (1.0 - ratio) } else { f64::INFINITY };
