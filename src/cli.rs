@@ -57,6 +57,9 @@ pub enum Command {
     Plot(Plot),
     /// Write NAME.toml, a commented scene to start from
     New(New),
+    /// Rewrite a model of XPPAUT (FILE.ode) as a scene
+    #[command(after_help = "Example:\n  hopfline import lorenz.ode --out lorenz.toml")]
+    Import(Import),
     /// Print a completion script for a shell
     #[command(
         after_help = "Example:\n  hopfline completions bash > ~/.local/share/bash-completion/completions/hopfline"
@@ -124,6 +127,16 @@ pub struct New {
     /// Model that the scene is about (`hopfline models` lists them)
     #[arg(long, value_name = "M", value_hint = ValueHint::Other)]
     pub model: String,
+}
+
+#[derive(Clone, Debug, PartialEq, Args)]
+pub struct Import {
+    /// The file to read
+    #[arg(value_name = "FILE.ode", value_hint = ValueHint::FilePath)]
+    pub file: PathBuf,
+    /// Scene to write, which must not exist yet; without it, to stdout
+    #[arg(long, value_name = "FILE.toml", value_hint = ValueHint::FilePath)]
+    pub out: Option<PathBuf>,
 }
 
 #[derive(Clone, Debug, PartialEq, Args)]

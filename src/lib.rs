@@ -14,9 +14,10 @@
 //! | [`linalg`] | LU, bordered systems, eigenvalues of pencils and of products | `linalg::pencil` |
 //! | [`continuation`] | predictor, corrector, step control, points between points; surfaces by charts | `continuation::Walk` |
 //! | [`bifurcation`] | equilibria as curves and over grids, eigenvalue branches, Hopf points and folds, their curves and surfaces, normal forms, calibration | `bifurcation::Hopf` |
-//! | [`orbit`] | collocation, condensation, mesh, multipliers, start from a Hopf point | `orbit::Collocation` |
+//! | [`orbit`] | collocation, condensation, mesh, multipliers, start from a Hopf point; bifurcations of cycles and their curves | `orbit::Collocation`, `orbit::bifurcations` |
 //! | `simulate` | time integration, and what motions settle on (feature `simulation`) | `simulate::settle` |
 //! | [`expression`] | arithmetic as text: grammar, tree, statements of models | `expression::Node` |
+//! | [`import`] | models of other programs, rewritten as scenes | `import::read` |
 //! | [`models`] | the models that scenes can name | `models::TwoDoublet` |
 //! | [`scene`] | TOML to typed scene, units, errors with file and line | `scene::Scene` |
 //! | [`branch`] | what was found, as plain data; CSV and NPZ | `branch::Branch` |
@@ -64,6 +65,8 @@ pub mod cli;
 pub mod continuation;
 #[cfg(feature = "program")]
 pub mod expression;
+#[cfg(feature = "program")]
+pub mod import;
 pub mod linalg;
 pub mod models;
 pub mod orbit;

@@ -32,6 +32,13 @@ fn print(text: &str) -> Result<(), RunError> {
     }
 }
 
+/// Writes a file that does not exist yet.
+fn write_new(path: &std::path::Path, text: &str) -> Result<(), RunError> {
+    let file = std::fs::OpenOptions::new().write(true).create_new(true).open(path);
+    file.and_then(|mut file| file.write_all(text.as_bytes()))
+        .map_err(|e| RunError::Input(format!("cannot write {}: {e}", path.display())))
+}
+
 fn execute(command: Command) -> Result<bool, RunError> {
     match command {
         Command::Run(run) => return execute_run(run),
@@ -52,10 +59,21 @@ fn execute(command: Command) -> Result<bool, RunError> {
         Command::New(new) => {
             let path = std::path::PathBuf::from(format!("{}.toml", new.name));
             let text = run::template(&new.name, &new.model)?;
-            let file = std::fs::OpenOptions::new().write(true).create_new(true).open(&path);
-            file.and_then(|mut file| file.write_all(text.as_bytes()))
-                .map_err(|e| RunError::Input(format!("cannot write {}: {e}", path.display())))?;
+            write_new(&path, &text)?;
             print(&format!("{}\n", path.display()))?;
+        }
+        Command::Import(import) => {
+            let (scene, notes) = run::import(&import.file)?;
+            for note in notes {
+                eprintln!("{}:{}: {}", import.file.display(), note.line, note.message);
+            }
+            match import.out {
+                None => print(&scene)?,
+                Some(path) => {
+                    write_new(&path, &scene)?;
+                    print(&format!("{}\n", path.display()))?;
+                }
+            }
         }
         Command::Completions(completions) => {
             cli::completions(completions.shell).map_err(|e| RunError::Input(format!("cannot write to stdout: {e}")))?

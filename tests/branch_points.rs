@@ -159,9 +159,9 @@ impl Field for Prey {
 /// (1/3, v) has branched off; Doedel's values in 40 digits.
 #[test]
 fn transcritical_points_and_the_fold_of_predator_and_prey() {
-    let range = (0.0, 1.2);
+    let range = (0.05, 1.2);
     let system = system(problem(Prey, 0.0), range);
-    let alone = follow(&system, from_state(&system, &[1.0, 0.0], 0.0), range);
+    let alone = follow(&system, from_state(&system, &[1.0, 0.0], 0.05), range);
     let mut lambdas: Vec<(&str, f64)> = Vec::new();
     for sample in &alone {
         match &sample.mark {
@@ -325,7 +325,11 @@ fn scenes_switch_branches_and_parameters() {
 #[test]
 fn wrong_starts_are_refused() {
     for (from, to, wanted) in [
-        ("from = \"zero/BP1\"\nfree = \"F\"", "from = \"zero/BP1\"\nstart = 1\nfree = \"F\"", "keep one"),
+        (
+            "from = \"zero/BP1\"\nfree = \"F\"",
+            "from = \"zero/BP1\"\nstart = 1\nfree = \"F\"",
+            "leave out from or start",
+        ),
         ("detect = [\"BP\", \"LP\", \"HB\"]", "detect = [\"LP\", \"HB\"]", "give it detect = [\"LP\", \"HB\", \"BP\"]"),
         ("from = \"current/UZ1\"", "from = \"current/XX1\"", "KIND one of HB, LP, BP"),
         ("from = \"zero/HB1\"", "from = \"through/EP1\"", "comes later"),
@@ -338,4 +342,75 @@ fn wrong_starts_are_refused() {
         study(&SWITCHING.replace("free = \"delta\"\nrange = [0.5, 1.5]", "free = \"delta\"\nrange = [0.5, 0.9]"));
     let reason = failed.unwrap().tasks.iter().find(|task| task.name == "weaker").unwrap().reason.clone();
     assert!(reason.contains("does not lie inside the range"), "{reason}");
+}
+
+/// Euler's column as the elastica, clamped and free: `theta'' + P sin(theta) = 0, theta(0) = theta'(1) = 0`, in
+/// theta = sum u_k sin((k - 1/2) pi s), by Galerkin's method with Gauss points (weights and points of the midpoint rule, which
+/// is exact for these waves up to aliasing).
+struct Elastica {
+    functions: usize,
+    parameters: [Parameter; 1],
+}
+
+impl Formula for Elastica {
+    fn dim(&self) -> usize {
+        self.functions
+    }
+
+    fn parameters(&self) -> &[Parameter] {
+        &self.parameters
+    }
+
+    fn residual<S: Scalar>(&self, u: &[S], v: &[S], p: &[S], g: &mut [S]) {
+        let n = self.functions;
+        let wave = |k: usize| (k as f64 + 0.5) * std::f64::consts::PI;
+        for k in 0..n {
+            g[k] = v[k] + u[k] * (0.5 * wave(k).powi(2));
+        }
+        let points = 4 * n;
+        for j in 0..points {
+            let s = (j as f64 + 0.5) / points as f64;
+            let theta = u.iter().enumerate().fold(S::from(0.0), |sum, (k, &u)| sum + u * (wave(k) * s).sin());
+            let force = p[0] * theta.sin() / points as f64;
+            for (k, g) in g.iter_mut().enumerate() {
+                *g -= force * (wave(k) * s).sin();
+            }
+        }
+    }
+}
+
+/// The complete elliptic integral of the first kind with modulus k, by the arithmetic-geometric mean.
+fn elliptic(k: f64) -> f64 {
+    let (mut a, mut b) = (1.0, (1.0 - k * k).sqrt());
+    while (a - b as f64).abs() > 1e-15 {
+        (a, b) = (0.5 * (a + b), (a * b).sqrt());
+    }
+    std::f64::consts::FRAC_PI_2 / a
+}
+
+/// Both arms to tip angles beyond 150 degrees: P = K(sin(alpha/2))².
+#[test]
+fn the_column_follows_the_elastica() {
+    let functions = 30;
+    let problem: Arc<dyn Problem> = Arc::new(Automatic(Elastica { functions, parameters: [parameter("P", 1.0)] }));
+    let range = (1.0, 8.0);
+    let system = system(problem, range);
+    let straight = follow(&system, from_state(&system, &vec![0.0; functions], 1.0), range);
+    let found = branch_point_of(&straight);
+    assert_eq!(found.len(), 1);
+    close("P", found[0].p[0], std::f64::consts::FRAC_PI_2.powi(2), 1e-13);
+    // Supercritical: P = P_1 (1 + alpha²/8 + ...), and x = alpha along the first function.
+    assert!(found[0].form.pitchfork() && found[0].form.d < 0.0);
+    close("-d/b", -found[0].form.d / found[0].form.b, std::f64::consts::FRAC_PI_2.powi(2) / 8.0, 1e-12);
+    let arms = switched(&system, &found[0], range);
+    let mut ends = Vec::new();
+    for arm in &arms {
+        for sample in arm {
+            let tip: f64 = sample.point.x.iter().enumerate().map(|(k, u)| if k % 2 == 0 { *u } else { -u }).sum();
+            close("P", elliptic((0.5 * tip.abs()).sin()).powi(2), sample.point.lambda, 1e-8);
+            ends.push(tip);
+        }
+    }
+    let (least, most) = ends.iter().fold((0.0_f64, 0.0_f64), |(a, b), x| (a.min(*x), b.max(*x)));
+    assert!(least < -2.5 && most > 2.5, "{least} {most}");
 }

@@ -75,7 +75,7 @@ fn exceptional<F: Formula + 'static>(formula: F, (low, high): (f64, f64), logari
     let tool = Spectra::new(&system, dim, &mut samples, &mut counts).unwrap();
     tool.follow(&mut samples, &mut counts).unwrap();
     let marked = samples.iter().filter_map(|sample| match sample.mark {
-        Some(Mark::Exceptional(mean)) => Some((coordinate.value(sample.point.lambda), mean)),
+        Some(Mark::Exceptional(mean)) => Some((coordinate.value(sample.point.lambda), mean.re)),
         _ => None,
     });
     marked.collect()

@@ -11,6 +11,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("linalg", &[]),
     ("branch", &[]),
     ("expression", &[]),
+    ("import", &["expression"]),
     ("scene", &["expression"]),
     ("error", &[]),
     ("problem", &["linalg"]),

@@ -103,3 +103,25 @@ fn a_flagellum_from_nearly_straight_settles_on_the_collocated_cycle() {
     close("frequency", 1.0 / cycle.period, 1.0 / orbit.period(), 1e-6);
     close("largest tip deflection", cycle.ranges[0].max, *deflection, 1e-6);
 }
+
+#[test]
+fn cycles_start_from_a_simulation() {
+    let home = tempfile::tempdir().unwrap();
+    let scene =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("problems/simulation.toml")).unwrap();
+    let (tasks, _) = scene.split_once("[expect]").expect("expectations");
+    let followed = "[[task]]\nname = \"followed\"\nkind = \"cycles\"\nfrom = \"motion/LC1\"\nfree = \"mu\"\nrange = [0.5, 1.5]\n\
+                    values = { mu = [0.8] }\n";
+    let path = home.path().join("followed.toml");
+    let born =
+        tasks.replace("range = [-0.2, 1]\n\n[[figure]]", "range = [-0.2, 1]\nvalues = { mu = [0.8] }\n\n[[figure]]");
+    std::fs::write(&path, born + followed).unwrap();
+    let options = RunOptions { out: home.path().join("out"), only: Vec::new(), resume: false, quiet: true };
+    let summary = run(&Scene::load(&path, &[]).expect("a scene"), &options).expect("a run");
+    let period = |label: &str| {
+        let point = summary.points.iter().find(|point| point.label == label);
+        let reasons: Vec<&str> = summary.tasks.iter().map(|task| task.reason.as_str()).collect();
+        point.unwrap_or_else(|| panic!("no {label}: {reasons:?}")).values["period"]
+    };
+    close("period", period("followed/UZ1"), period("cycles/UZ1"), 1e-6);
+}

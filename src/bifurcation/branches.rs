@@ -112,7 +112,7 @@ pub fn follow(last: &[c64], guess: &[c64], next: &[c64], wanted: usize, blur: f6
         let mut reals = open(&to, &old, false);
         reals.sort_by(|&a, &b| (last[old[a].1].re - z.re).abs().total_cmp(&(last[old[b].1].re - z.re).abs()));
         if let [a, b, ..] = reals[..] {
-            let (larger, smaller) = if last[old[a].1].re > last[old[b].1].re { (a, b) } else { (b, a) };
+            let (larger, smaller) = if above(last[old[a].1], last[old[b].1]) { (a, b) } else { (b, a) };
             values[old[larger].1] = Some(next[new[j].1]);
             values[old[smaller].1] = Some(next[new[j].2]);
             (to[larger], to[smaller], from[j]) = (Some(j), Some(j), Some(larger));
@@ -124,7 +124,7 @@ pub fn follow(last: &[c64], guess: &[c64], next: &[c64], wanted: usize, blur: f6
         let mut reals = open(&from, &new, false);
         reals.sort_by(|&a, &b| (next[new[a].1].re - z.re).abs().total_cmp(&(next[new[b].1].re - z.re).abs()));
         if let [a, b, ..] = reals[..] {
-            let (larger, smaller) = if next[new[a].1].re > next[new[b].1].re { (a, b) } else { (b, a) };
+            let (larger, smaller) = if above(next[new[a].1], next[new[b].1]) { (a, b) } else { (b, a) };
             values[old[i].1] = Some(next[new[larger].1]);
             values[old[i].2] = Some(next[new[smaller].1]);
             (to[i], from[larger], from[smaller]) = (Some(larger), Some(i), Some(i));
@@ -153,6 +153,11 @@ pub fn settle(guess: &[c64], next: &[c64]) -> Vec<c64> {
         }
     }
     values.iter().zip(guess).map(|(v, old)| v.unwrap_or(*old)).collect()
+}
+
+/// The larger of two real ones; a pair that counts as such keeps its upper member.
+fn above(x: c64, y: c64) -> bool {
+    x.re > y.re || x.re == y.re && x.im > y.im
 }
 
 fn size(entity: Entity) -> f64 {

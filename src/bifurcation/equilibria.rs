@@ -1,8 +1,8 @@
 //! Equilibria `G(u, 0, p) = 0` as a curve in one parameter, or in its logarithm.
 
 use super::Coordinate;
-use crate::continuation::{Border, Factored, System};
-use crate::linalg::{BorderedMatrix, Eigenpair, Leading, Singular, Structure, leading, pencil};
+use crate::continuation::{Border, Factored, Point, System, inner};
+use crate::linalg::{BorderedMatrix, Eigenpair, Leading, Singular, Structure, dot, leading, pencil};
 use crate::problem::{At, Direction, Problem};
 use std::sync::Arc;
 
@@ -57,6 +57,21 @@ impl Equilibria {
     }
 }
 
+/// A state larger than this many scales makes a new scale.
+const OUTGROWN: f64 = 2.0;
+
+impl Equilibria {
+    /// Gives the tangent length one.
+    pub fn normalise(&self, point: &mut Point) {
+        let along = (&point.tangent[..], point.tangent_lambda);
+        let length = inner(self, along, along).sqrt();
+        if length > 0.0 {
+            point.tangent.iter_mut().for_each(|t| *t /= length);
+            point.tangent_lambda /= length;
+        }
+    }
+}
+
 impl System for Equilibria {
     type Factors = BorderedMatrix;
 
@@ -84,6 +99,17 @@ impl System for Equilibria {
 
     fn dual_lambda(&self) -> f64 {
         self.coordinate.width.powi(-2)
+    }
+
+    /// A state that has outgrown its scale, as on a branch from zero, becomes the scale.
+    fn prepare(&mut self, point: &mut Point) -> bool {
+        let rms = (dot(&point.x, &point.x) / point.x.len() as f64).sqrt();
+        let grown = rms > OUTGROWN * self.scale_state && rms.is_finite();
+        if grown {
+            self.scale_state = rms;
+            self.normalise(point);
+        }
+        grown
     }
 }
 

@@ -11,6 +11,8 @@ use thiserror::Error;
 pub enum Stop {
     #[error("end of the range")]
     RangeEnd,
+    #[error("end of the box")]
+    BoxEnd,
     #[error("the branch closed on itself")]
     Closed,
     #[error("max_points reached")]
@@ -163,7 +165,10 @@ impl<'a, S: System> Walk<'a, S> {
         let gap: Vec<f64> = to.x.iter().zip(&first.x).map(|(a, b)| a - b).collect();
         let gap = (&gap[..], to.lambda - first.lambda);
         let near = inner(&*self.system, gap, gap).sqrt() < h;
-        let along = inner(&*self.system, (&to.tangent, to.tangent_lambda), (&first.tangent, first.tangent_lambda));
+        // The metric may have changed since the first point.
+        let product =
+            |a: &Point, b: &Point| inner(&*self.system, (&a.tangent, a.tangent_lambda), (&b.tangent, b.tangent_lambda));
+        let along = product(to, first) / (product(to, to) * product(first, first)).sqrt();
         self.state.steps > 3 && near && along > 0.9
     }
 

@@ -288,7 +288,13 @@ fn list(input: &mut Input<'_>, close: char) -> Result<(Vec<Node>, usize), Failur
             Some(',') => {}
             Some(_) => return Ok((parts, depth)),
             None => {
-                let what = if close == ')' { "an operator or \")\"" } else { "an operator, \",\" or \"]\"" };
+                let what = if input.input.starts_with('=') {
+                    "an operator or \")\", since only sum(BODY, i = FROM..TO) takes an index"
+                } else if close == ')' {
+                    "an operator or \")\""
+                } else {
+                    "an operator, \",\" or \"]\""
+                };
                 return Err(Failure::at(input, Reason::Expected(what)));
             }
         }

@@ -136,7 +136,7 @@ pub struct BorderedPencil {
 
 enum PencilForm {
     Whole(Bordered<c64>),
-    Blocks(PencilFactors, Elimination<c64>),
+    Blocks(Box<(PencilFactors, Elimination<c64>)>),
 }
 
 impl BorderedPencil {
@@ -149,7 +149,7 @@ impl BorderedPencil {
         let make = |s: c64| {
             let factors = PencilFactors::new(a, m, s)?;
             let borders = Elimination::new(&factors, &[b], &[c], &[&[zero]])?;
-            Ok(Self { form: PencilForm::Blocks(factors, borders) })
+            Ok(Self { form: PencilForm::Blocks(Box::new((factors, borders))) })
         };
         // At an eigenvalue to the last bit a pivot may vanish: half a digit beside it none does.
         make(s).or_else(|Singular| make(s + 10.0 * f64::EPSILON * s.norm()))
@@ -159,7 +159,7 @@ impl BorderedPencil {
     pub fn solve(&self, fg: &mut [c64]) {
         match &self.form {
             PencilForm::Whole(bordered) => bordered.solve(fg),
-            PencilForm::Blocks(factors, borders) => borders.solve(factors, fg),
+            PencilForm::Blocks(made) => made.1.solve(&made.0, fg),
         }
     }
 
@@ -167,7 +167,7 @@ impl BorderedPencil {
     pub fn solve_adjoint(&self, fg: &mut [c64]) {
         match &self.form {
             PencilForm::Whole(bordered) => bordered.solve_adjoint(fg),
-            PencilForm::Blocks(factors, borders) => borders.solve_adjoint(factors, fg),
+            PencilForm::Blocks(made) => made.1.solve_adjoint(&made.0, fg),
         }
     }
 }

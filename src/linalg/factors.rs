@@ -17,7 +17,7 @@ pub enum Factors {
     Dense(Lu<f64>),
     Banded(BandedLu),
     /// The sparse factors know nothing of the determinant.
-    Sparse(SparseLu<f64>, Box<sparse::Sparse>),
+    Sparse(Box<(SparseLu<f64>, sparse::Sparse)>),
 }
 
 impl Factors {
@@ -25,7 +25,7 @@ impl Factors {
         Ok(match a {
             Matrix::Dense(a) => Factors::Dense(Lu::new(a.as_ref())?),
             Matrix::Banded(a) => Factors::Banded(BandedLu::new(a)?),
-            Matrix::Sparse(a) => Factors::Sparse(SparseLu::new(&a.pattern, &a.values)?, Box::new(a.clone())),
+            Matrix::Sparse(a) => Factors::Sparse(Box::new((SparseLu::new(&a.pattern, &a.values)?, a.clone()))),
         })
     }
 
@@ -34,7 +34,7 @@ impl Factors {
         match self {
             Factors::Dense(lu) => lu.solve(b),
             Factors::Banded(lu) => lu.solve(b),
-            Factors::Sparse(lu, _) => lu.solve(b),
+            Factors::Sparse(made) => made.0.solve(b),
         }
     }
 
@@ -43,7 +43,7 @@ impl Factors {
         match self {
             Factors::Dense(lu) => lu.solve_adjoint(b),
             Factors::Banded(lu) => lu.solve_transposed(b),
-            Factors::Sparse(lu, _) => lu.solve_adjoint(b),
+            Factors::Sparse(made) => made.0.solve_adjoint(b),
         }
     }
 
@@ -52,7 +52,7 @@ impl Factors {
         match self {
             Factors::Dense(lu) => lu.sign(),
             Factors::Banded(lu) => lu.sign(),
-            Factors::Sparse(_, a) => sparse::sign(a).unwrap_or(0.0),
+            Factors::Sparse(made) => sparse::sign(&made.1).unwrap_or(0.0),
         }
     }
 }
@@ -70,7 +70,7 @@ impl Base<f64> for Factors {
 /// Factors of `A + s M`, s complex.
 pub enum PencilFactors {
     Dense(Lu<c64>),
-    Sparse(SparseLu<c64>),
+    Sparse(Box<SparseLu<c64>>),
 }
 
 impl PencilFactors {
@@ -83,7 +83,7 @@ impl PencilFactors {
             }
             (Matrix::Sparse(a), Matrix::Sparse(m)) if a.pattern == m.pattern => {
                 let values: Vec<c64> = a.values.iter().zip(&m.values).map(|(&a, &m)| s * m + a).collect();
-                Ok(PencilFactors::Sparse(SparseLu::new(&a.pattern, &values)?))
+                Ok(PencilFactors::Sparse(Box::new(SparseLu::new(&a.pattern, &values)?)))
             }
             _ => {
                 let n = a.n();
@@ -98,7 +98,7 @@ impl PencilFactors {
                         }
                     }
                 }
-                Ok(PencilFactors::Sparse(SparseLu::new(&pattern, &values)?))
+                Ok(PencilFactors::Sparse(Box::new(SparseLu::new(&pattern, &values)?)))
             }
         }
     }

@@ -65,6 +65,10 @@ impl Formula for Lorenz84 {
         g[3] = v[3] + delta * w - gamma * w * x - forcing_t;
     }
 
+    fn unknowns(&self) -> Vec<String> {
+        ["X", "Y", "Z", "U"].map(str::to_owned).to_vec()
+    }
+
     /// The state of strong westerly current: exact for G = T = 0.
     fn start(&self, p: &[f64]) -> Vec<f64> {
         vec![p[5], 0.0, 0.0, 0.0]

@@ -94,6 +94,29 @@ impl Orbit {
         Self { nodes, dim, ..self.clone() }
     }
 
+    /// The mean of a function of (u, u') over the whole period, by the collocation points' quadrature: as accurate as the
+    /// period itself.
+    pub fn mean(&self, symmetry: &Reflection, value: &dyn Fn(&[f64], &[f64]) -> f64) -> f64 {
+        let scheme = self.scheme();
+        let mut sum = 0.0;
+        for part in 0..self.parts {
+            for w in self.mesh.windows(2) {
+                for (c, weight) in scheme.points.iter().zip(&scheme.weights) {
+                    let tau = w[0] + c * (w[1] - w[0]);
+                    // The last Radau point of a part belongs to it, not to the next.
+                    let (mut u, mut v) = self.at(tau, &scheme);
+                    for _ in 0..part {
+                        let (old_u, old_v) = (u.clone(), v.clone());
+                        symmetry.apply(&old_u, &mut u);
+                        symmetry.apply(&old_v, &mut v);
+                    }
+                    sum += weight * (w[1] - w[0]) * value(&u, &v);
+                }
+            }
+        }
+        sum / self.parts as f64
+    }
+
     /// The largest and smallest value of a functional over the whole period: sampled four times per node, then refined
     /// by Brent's method.
     pub fn extremes(&self, problem: &dyn Problem, observable: usize, p: &[f64], symmetry: &Reflection) -> Extremes {

@@ -55,6 +55,10 @@ pub trait Formula: Send + Sync {
         }
     }
 
+    fn unknowns(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     fn start(&self, _p: &[f64]) -> Vec<f64> {
         vec![0.0; self.dim()]
     }
@@ -141,6 +145,10 @@ impl<F: Formula> Problem for Automatic<F> {
 
     fn parameters(&self) -> &[Parameter] {
         self.0.parameters()
+    }
+
+    fn unknowns(&self) -> Vec<String> {
+        self.0.unknowns()
     }
 
     fn start(&self, p: &[f64]) -> Vec<f64> {

@@ -145,6 +145,11 @@ pub trait Problem: Send + Sync {
 
     fn parameters(&self) -> &[Parameter];
 
+    /// The names of the unknowns in their order; empty where they have none.
+    fn unknowns(&self) -> Vec<String> {
+        Vec::new()
+    }
+
     /// A start for equilibria.
     fn start(&self, _p: &[f64]) -> Vec<f64> {
         vec![0.0; self.dim()]

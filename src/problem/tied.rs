@@ -67,6 +67,10 @@ impl Problem for Tied {
         self.inner.parameters()
     }
 
+    fn unknowns(&self) -> Vec<String> {
+        self.inner.unknowns()
+    }
+
     fn start(&self, p: &[f64]) -> Vec<f64> {
         self.inner.start(&self.resolve(p))
     }

@@ -1,7 +1,7 @@
 //! Tasks of kind `lpc-curve`, `pd-curve` and `ns-curve`: folds, period doublings and torus bifurcations of cycles in two
 //! parameters, both ways from the start, with their normal forms, points of codimension two and wanted values.
 
-use super::cycles::{angle, measure};
+use super::cycles::{self, angle, measure};
 use super::outcome::{Outcome, Status, joined, labels};
 use super::start::{StartError, coordinates};
 use super::stored_cycle::StoredCycle;
@@ -92,17 +92,7 @@ pub fn empty(prepared: &Prepared, name: &str, (task, kind): (&scene::Curve, Crit
     let column = |name: &str, unit: &str| Column { name: name.to_owned(), unit: unit.to_owned() };
     let mut columns: Vec<Column> = free.iter().map(|q| column(q.name, q.unit)).collect();
     columns.extend(task.along.logarithmic.iter().map(|name| column(&format!("log10 {name}"), "")));
-    let time = prepared.problem.time_unit();
-    let frequency = match time {
-        "" => String::new(),
-        "s" => "Hz".to_owned(),
-        unit => format!("1/{unit}"),
-    };
-    columns.extend([column("period", time), column("frequency", &frequency)]);
-    let observables = prepared.problem.observables();
-    for &i in &prepared.observables {
-        columns.extend(["max", "min"].map(|e| column(&format!("{e} {}", observables[i].name), observables[i].unit)));
-    }
+    columns.extend(cycles::columns(prepared).iter().map(|(name, unit)| column(name, unit)));
     columns.extend(values(kind)[2..].iter().map(|name| column(name, if *name == "theta" { "rad" } else { "" })));
     Branch {
         name: name.to_owned(),
@@ -287,7 +277,7 @@ impl Tool<'_> {
         let value = |name: &str| list.iter().position(|q| q.name == name).map(|i| p[i]);
         let mut values = vec![Some(p[self.prepared.first()]), Some(p[self.prepared.free])];
         values.extend(self.task.along.logarithmic.iter().map(|name| value(name).map(f64::log10)));
-        values.extend(measure(problem, &self.prepared.observables, &orbit, &frame.symmetry, &p).into_iter().map(Some));
+        values.extend(measure(self.prepared, problem, &orbit, &frame.symmetry, &p).into_iter().map(Some));
         let form = curve.normal_form(point).ok().map(|form| form.coefficient.re).filter(|b| b.is_finite());
         values.push(form);
         let cosine = curve.cosine(point);

@@ -8,7 +8,8 @@ use std::fmt::Write;
 
 /// A line a model.
 pub fn models() -> String {
-    REGISTRY.iter().map(|model| format!("{:14} {}\n", model.name, model.meaning)).collect()
+    let list: String = REGISTRY.iter().map(|model| format!("{:14} {}\n", model.name, model.meaning)).collect();
+    list + "\nAny other model is written in the scene: [model] with equations = \"x' = ...\" (README: Write a model as text).\n"
 }
 
 /// Options, parameters and observables of a model.

@@ -4,7 +4,7 @@ use super::summary::Summary;
 use super::{RunError, place};
 use crate::branch::{Branch, BranchKind, read_arrays, read_branch, read_triangles, write_atomically};
 use crate::plot::{Spec, SpecKind, draw};
-use crate::scene::{Figure, Scene, SceneError, Task, TaskKind};
+use crate::scene::{Figure, Scene, SceneError, Task, TaskKind, owner};
 use std::collections::BTreeMap;
 use std::io::Write;
 use std::path::Path;
@@ -35,7 +35,33 @@ pub fn check(scene: &Scene) -> Result<(), SceneError> {
 
 /// The figures whose data there are.
 pub fn specs(scene: &Scene, branches: &[Branch], picture_unit: &str) -> Vec<Spec> {
-    scene.figures.iter().filter_map(|figure| spec(figure, branches, picture_unit)).collect()
+    // A diagram task stands for all its branches.
+    let members = |names: &[String]| -> Vec<String> {
+        let of = |branch: &&Branch| owner(&scene.tasks, &branch.name).is_some_and(|task| names.contains(&task.name));
+        branches.iter().filter(of).map(|branch| branch.name.clone()).collect()
+    };
+    let drawn = scene.figures.iter().filter_map(|figure| {
+        let figure = Figure { tasks: members(&figure.tasks), ..figure.clone() };
+        spec(&figure, branches, picture_unit)
+    });
+    // One that no figure shows is drawn by itself: its first observable.
+    let alone = scene.tasks.iter().filter(|task| {
+        matches!(task.kind, TaskKind::Diagram(_))
+            && !scene.figures.iter().any(|figure| figure.tasks.contains(&task.name))
+    });
+    let own = alone.filter_map(|task| {
+        let along = task.kind.along();
+        let tasks = members(std::slice::from_ref(&task.name));
+        let first =
+            branches.iter().find(|branch| tasks.contains(&branch.name) && branch.kind == BranchKind::Equilibria)?;
+        let spectral = |name: &str| ["re_", "im_", "log10 "].iter().any(|prefix| name.starts_with(prefix));
+        let y = first.columns.iter().skip(1).map(|column| column.name.clone()).find(|name| !spectral(name))?;
+        let logarithm = if along.logarithmic.is_empty() { "" } else { "log10 " };
+        let x = format!("{logarithm}{}", along.free);
+        let kind = SpecKind::Diagram { x, y: vec![y.clone(), format!("max {y}"), format!("min {y}")], tasks };
+        Some(Spec { name: task.name.clone(), title: String::new(), kind })
+    });
+    drawn.chain(own).collect()
 }
 
 fn spec(figure: &Figure, branches: &[Branch], picture_unit: &str) -> Option<Spec> {

@@ -41,6 +41,20 @@ impl Folder {
         Ok(())
     }
 
+    /// Removes the branches of a diagram: those of other numbers would be left.
+    pub fn clear_parts(&self, task: &str) {
+        let number =
+            |name: &str| name.strip_prefix(task).and_then(|rest| rest.strip_prefix('-')?.parse::<usize>().ok());
+        for entry in std::fs::read_dir(self.path("branches")).into_iter().flatten().flatten() {
+            let path = entry.path();
+            let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
+            if number(&stem).is_some() {
+                remove(&path);
+                let _ = std::fs::remove_dir_all(self.path("points").join(stem));
+            }
+        }
+    }
+
     pub fn write_branch(&self, branch: &Branch) -> Result<(), StoreError> {
         if branch.rows.is_empty() {
             return Ok(());

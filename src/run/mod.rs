@@ -4,15 +4,18 @@ mod calibration;
 mod cycle_curve;
 mod cycles;
 mod describe;
+mod diagram;
 mod equilibria;
 mod figures;
 mod files;
 mod fold_curve;
 mod hopf_curve;
 mod hopf_surface;
+mod import;
 mod map;
 mod outcome;
 mod plan;
+mod recorded;
 mod resume;
 mod simulate;
 mod start;
@@ -26,6 +29,7 @@ mod written;
 
 pub use describe::{models, one_model};
 pub use figures::redraw;
+pub use import::import;
 pub use plan::plan;
 pub use summary::{Expected, Summary};
 pub use template::template;
@@ -34,12 +38,13 @@ pub use watch::INTERRUPTED;
 use crate::branch::{Branch, StoreError};
 use crate::orbit::bifurcations::Critical;
 use crate::plot::PlotError;
-use crate::scene::{Curve, Fault, Place, Scene, SceneError, Task, TaskKind};
+use crate::scene::{Curve, Fault, Place, Scene, SceneError, Task, TaskKind, owner};
+use equilibria::Origin;
 use files::Folder;
 use outcome::{Outcome, Status};
 use resume::Keeper;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use study::{Prepared, Study};
 use thiserror::Error;
@@ -90,7 +95,8 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
     wanted.extend(only.iter().map(String::as_str));
     for task in scene.tasks.iter().rev() {
         if let (Some((from, _)), true) = (task.kind.from(), wanted.contains(task.name.as_str())) {
-            wanted.extend(from.split('/').next());
+            let source = from.split('/').next().and_then(|name| owner(&scene.tasks, name));
+            wanted.extend(source.map(|task| task.name.as_str()));
         }
     }
     let mut tasks = Vec::new();
@@ -136,21 +142,26 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
     let keeper = Keeper::new(folder.path("resume"), identity, options.resume);
     if !options.resume {
         folder.clear(ready.tasks.iter().map(|(task, _)| task.name.as_str()))?;
+        let diagrams = ready.tasks.iter().filter(|(task, _)| matches!(task.kind, TaskKind::Diagram(_)));
+        diagrams.for_each(|(task, _)| folder.clear_parts(&task.name));
     }
+    let home = scene.path.parent().unwrap_or(Path::new(""));
     let mut outcomes: Vec<Outcome> = Vec::new();
     for (task, prepared) in &ready.tasks {
         watch.task(&task.name);
-        let outcome = match keeper.finished(&task.name) {
-            Some(outcome) => outcome,
-            None => perform(task, prepared, &outcomes, &keeper, &watch),
+        let found = match keeper.finished(&task.name) {
+            Some(found) => found,
+            None => perform((task, home), prepared, &outcomes, &keeper, &watch),
         };
-        if outcome.status == Status::Done {
-            keeper.finish(&task.name, &outcome);
+        if found.iter().all(|outcome| outcome.status == Status::Done) {
+            keeper.finish(&task.name, &found);
         }
-        watch.say(format!("{}: {:?}, {}", task.name, outcome.status, outcome.reason));
-        folder.write_branch(&outcome.branch)?;
-        let interrupted = outcome.status == Status::Interrupted;
-        outcomes.push(outcome);
+        for outcome in &found {
+            watch.say(format!("{}: {:?}, {}", outcome.branch.name, outcome.status, outcome.reason));
+            folder.write_branch(&outcome.branch)?;
+        }
+        let interrupted = found.iter().any(|outcome| outcome.status == Status::Interrupted);
+        outcomes.extend(found);
         if interrupted {
             break;
         }
@@ -169,7 +180,14 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
     Ok(summary)
 }
 
-fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper, watch: &Watch) -> Outcome {
+/// `home` is the scene's folder, in which it may name files.
+fn perform(
+    (task, home): (&Task, &Path),
+    prepared: &Prepared,
+    before: &[Outcome],
+    keeper: &Keeper,
+    watch: &Watch,
+) -> Vec<Outcome> {
     let points = || before.iter().flat_map(|outcome| &outcome.branch.points);
     let source = |label: &str| {
         points().find(|point| point.label == label).ok_or_else(|| {
@@ -181,11 +199,22 @@ fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper
         Ok(from) => cycle_curve::run(prepared, &task.name, what, from, watch),
         Err(reason) => Outcome::failed(cycle_curve::empty(prepared, &task.name, what), reason),
     };
-    match &task.kind {
+    let outcome = match &task.kind {
         TaskKind::Equilibria(equilibria) => match equilibria.from.as_ref().map(|(from, _)| source(from)).transpose() {
-            Ok(from) => equilibria::run(prepared, &task.name, equilibria, from, watch),
+            Ok(from) => {
+                let origin = from.map_or(Origin::Model, Origin::Point);
+                equilibria::run(prepared, &task.name, equilibria, origin, watch)
+            }
             Err(reason) => Outcome::failed(equilibria::empty(&task.name, equilibria), reason),
         },
+        TaskKind::Cycles(cycles) if crate::scene::is_file(&cycles.from) => {
+            let mesh = (cycles.intervals.unwrap_or(cycles::INTERVALS), cycles.degree);
+            match recorded::cycle(&home.join(&cycles.from), &cycles.from, prepared, mesh) {
+                Ok(from) => cycles::run(prepared, &task.name, cycles, &from, keeper, watch),
+                Err(error) => Outcome::failed(cycles::empty(prepared, &task.name, cycles), error.to_string()),
+            }
+        }
+        TaskKind::Diagram(wanted) => return diagram::run(prepared, &task.name, wanted, keeper, watch),
         TaskKind::Cycles(cycles) => match source(&cycles.from) {
             Ok(from) => cycles::run(prepared, &task.name, cycles, from, keeper, watch),
             Err(reason) => Outcome::failed(cycles::empty(prepared, &task.name, cycles), reason),
@@ -214,7 +243,8 @@ fn perform(task: &Task, prepared: &Prepared, before: &[Outcome], keeper: &Keeper
             Ok(from) => hopf_surface::run(prepared, &task.name, surface, from, watch),
             Err(reason) => Outcome::failed(hopf_surface::empty(prepared, &task.name, surface), reason),
         },
-    }
+    };
+    vec![outcome]
 }
 
 /// The place of a key of a task, for messages.

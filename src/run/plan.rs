@@ -1,6 +1,7 @@
 //! `hopfline check`: what would be computed, what is left out, and why.
 
 use super::{RunError, ready};
+use crate::linalg::Structure;
 use crate::scene::{Scene, TaskKind};
 use std::fmt::Write;
 
@@ -9,7 +10,13 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
     let ready = ready(scene, &[])?;
     let mut out = String::new();
     let _ = writeln!(out, "{}: {}", ready.scene.path.display(), ready.scene.title);
-    let _ = writeln!(out, "model {} with {} unknowns", scene.model.name, ready.study.dim());
+    let name = if scene.model.text.is_some() { "written in the scene," } else { &scene.model.name };
+    let bands = match ready.study.structure() {
+        Structure::Dense => String::new(),
+        Structure::Banded { lower, upper } => format!(", each coupled to {lower} before and {upper} after it"),
+        Structure::Sparse(pattern) => format!(", coupled by {} entries", pattern.entries()),
+    };
+    let _ = writeln!(out, "model {name} with {} unknowns{bands}", ready.study.dim());
     let parameters = ready.study.parameters();
     for (name, value, unit, tie) in &parameters {
         let tie = tie.as_ref().map_or(String::new(), |tie| format!("  = {tie}"));
@@ -53,6 +60,23 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 out += &yes_no(detects("LP"), "folds with their normal form".into(), "detect has no LP");
                 let points = "branch points with their normal form, from a determinant's sign at every point";
                 out += &yes_no(detects("BP"), points.into(), "detect has no BP");
+            }
+            TaskKind::Diagram(d) => {
+                let more = if d.deflate.is_empty() { "" } else { " and those that deflation finds" };
+                let _ = writeln!(
+                    out,
+                    "  computed: branches from the model's start and {} states{more}, and all that branch off within {} switches, \
+                     at most {}",
+                    d.states.len(),
+                    d.depth,
+                    d.max_branches
+                );
+                let count = d.equilibria.spectrum.max(4);
+                let _ = writeln!(
+                    out,
+                    "  computed: {count} leading eigenvalues at every point; Hopf points, folds and branch points with their normal form"
+                );
+                out += &yes_no(d.cycles.is_some(), "cycles from every Hopf point".into(), "cycles = false");
             }
             TaskKind::FoldCurve(curve) => {
                 let _ = writeln!(out, "  computed: folds from {}, both ways along the curve", curve.from);
@@ -126,15 +150,20 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 let multipliers = c.multipliers > 0;
                 out +=
                     &yes_no(multipliers, "Floquet multipliers and stability".into(), "multipliers are not asked for");
+                for (kind, what) in [
+                    ("LPC", "folds of cycles"),
+                    ("PD", "period doublings"),
+                    ("NS", "torus bifurcations"),
+                    ("BPC", "branch points of cycles"),
+                ] {
+                    let asked = c.detect.iter().any(|known| known == kind);
+                    out += &yes_no(asked, format!("{what} ({kind})"), &format!("detect has no {kind}"));
+                }
             }
         }
         let of_cycles = matches!(task.kind, TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_));
-        if of_cycles
-            || matches!(
-                task.kind,
-                TaskKind::Equilibria(_) | TaskKind::Cycles(_) | TaskKind::FoldCurve(_) | TaskKind::Simulate(_)
-            )
-        {
+        let of_states = matches!(task.kind, TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::FoldCurve(_));
+        if of_cycles || of_states || matches!(task.kind, TaskKind::Cycles(_) | TaskKind::Simulate(_)) {
             let list = ready.study.observables();
             let wanted: Vec<&str> = prepared.observables.iter().map(|&i| list[i].name).collect();
             let others: Vec<&str> = list.iter().map(|o| o.name).filter(|name| !wanted.contains(name)).collect();

@@ -3,7 +3,7 @@
 //! One file per task in `resume/`: the outcome of a finished task, or the state of the walk after its last point. Each
 //! is written whole or not at all, so that a kill at any moment leaves the one before.
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, Status};
 use crate::branch::{Branch, write_atomically};
 use crate::continuation::{Counts, WalkState};
 use crate::orbit::Orbit;
@@ -22,6 +22,8 @@ pub struct Checkpoint {
     pub walk: WalkState,
     pub counts: Counts,
     pub seconds: f64,
+    /// How the first of two ways ended, if this is the second.
+    pub behind: Option<(Status, String)>,
     /// Test functions at the last point, and what the last three say of a homoclinic end.
     pub signs: Option<Signs>,
     pub passages: Vec<Passage>,
@@ -30,7 +32,8 @@ pub struct Checkpoint {
 #[derive(Serialize, Deserialize)]
 enum State {
     Midway(Box<Checkpoint>),
-    Finished(Box<Outcome>),
+    /// One branch, or those of a diagram.
+    Finished(Vec<Outcome>),
 }
 
 #[derive(Serialize, Deserialize)]
@@ -69,10 +72,10 @@ impl Keeper {
         (kept.scene == self.scene).then_some(kept.state)
     }
 
-    /// The outcome of a task that was finished before.
-    pub fn finished(&self, task: &str) -> Option<Outcome> {
+    /// The outcomes of a task that was finished before.
+    pub fn finished(&self, task: &str) -> Option<Vec<Outcome>> {
         match self.read(task)? {
-            State::Finished(outcome) => Some(*outcome),
+            State::Finished(outcomes) => Some(outcomes),
             State::Midway(_) => None,
         }
     }
@@ -98,8 +101,8 @@ impl Keeper {
         self.last.set(Some(Instant::now()));
     }
 
-    pub fn finish(&self, task: &str, outcome: &Outcome) {
-        self.write(task, State::Finished(Box::new(outcome.clone())));
+    pub fn finish(&self, task: &str, outcomes: &[Outcome]) {
+        self.write(task, State::Finished(outcomes.to_vec()));
     }
 
     fn write(&self, task: &str, state: State) {

@@ -5,16 +5,16 @@ use crate::bifurcation::Coordinate;
 use crate::branch::SpecialPoint;
 use crate::linalg::c64;
 use crate::problem::Problem;
-use crate::scene::{Along, Label, Place, Range, Scene, SceneError, TaskKind};
+use crate::scene::{self, Along, Label, Place, Range, Scene, SceneError, TaskKind, owner};
 use thiserror::Error;
 
 /// Cycles and curves start at a Hopf point: of a branch of equilibria, at a wanted value or end of a Hopf curve, or
 /// found by a calibration.
 pub fn check(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
     let allowed = Label::parse(from).and_then(|label| {
-        let task = scene.tasks.iter().find(|task| task.name == label.task)?;
+        let task = owner(&scene.tasks, label.task)?;
         Some(match task.kind {
-            TaskKind::Equilibria(_) => label.kind == "HB",
+            TaskKind::Equilibria(_) | TaskKind::Diagram(_) => label.kind == "HB",
             TaskKind::HopfCurve(_) => ["UZ", "EP", "GH"].contains(&label.kind),
             TaskKind::Calibration(_) => label.kind == "UZ",
             _ => false,
@@ -81,9 +81,9 @@ pub fn coordinates(prepared: &Prepared, along: &Along, p: &[f64]) -> Result<(Coo
 /// Fold curves start at a fold of a branch of equilibria.
 pub fn check_fold(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
     let label = Label::parse(from);
-    let task = label.and_then(|label| scene.tasks.iter().find(|task| task.name == label.task));
+    let task = label.and_then(|label| owner(&scene.tasks, label.task));
     match (label, task.map(|task| &task.kind)) {
-        (Some(Label { kind: "LP", .. }), Some(TaskKind::Equilibria(_))) => Ok(()),
+        (Some(Label { kind: "LP", .. }), Some(TaskKind::Equilibria(_) | TaskKind::Diagram(_))) => Ok(()),
         _ => Err(scene.refuse(
             at,
             format!("the start must be a fold, such as \"TASK/LP1\" of a task of kind \"equilibria\", not {from:?}"),
@@ -94,11 +94,15 @@ pub fn check_fold(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneErro
 /// Branches of equilibria start at any equilibrium.
 pub fn check_equilibrium(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
     let label = Label::parse(from);
-    let task = label.and_then(|label| scene.tasks.iter().find(|task| task.name == label.task));
+    let task = label.and_then(|label| owner(&scene.tasks, label.task));
     match task.map(|task| &task.kind) {
-        Some(TaskKind::Equilibria(_) | TaskKind::HopfCurve(_) | TaskKind::FoldCurve(_) | TaskKind::Calibration(_)) => {
-            Ok(())
-        }
+        Some(
+            TaskKind::Equilibria(_)
+            | TaskKind::Diagram(_)
+            | TaskKind::HopfCurve(_)
+            | TaskKind::FoldCurve(_)
+            | TaskKind::Calibration(_),
+        ) => Ok(()),
         _ => Err(scene.refuse(
             at,
             format!(
@@ -108,19 +112,23 @@ pub fn check_equilibrium(scene: &Scene, from: &str, at: &Place) -> Result<(), Sc
     }
 }
 
-/// Whether a start is where cycles of another task double their period or branch.
+/// Whether a start is a cycle: a point of another task of cycles, or samples in a file.
 pub fn is_cycle(scene: &Scene, from: &str) -> bool {
     let of_cycles = |label: Label| {
-        let task = scene.tasks.iter().find(|task| task.name == label.task);
-        ["PD", "BPC"].contains(&label.kind) && task.is_some_and(|task| matches!(task.kind, TaskKind::Cycles(_)))
+        let task = owner(&scene.tasks, label.task);
+        match task.map(|task| &task.kind) {
+            Some(TaskKind::Cycles(_)) => true,
+            Some(TaskKind::Simulate(_)) => label.kind == "LC",
+            _ => false,
+        }
     };
-    Label::parse(from).is_some_and(of_cycles)
+    scene::is_file(from) || Label::parse(from).is_some_and(of_cycles)
 }
 
 /// Curves of bifurcations of cycles start at such a point of a branch of cycles.
 pub fn check_cycle(scene: &Scene, (from, at): (&str, &Place), kind: &str, what: &str) -> Result<(), SceneError> {
     let label = Label::parse(from);
-    let task = label.and_then(|label| scene.tasks.iter().find(|task| task.name == label.task));
+    let task = label.and_then(|label| owner(&scene.tasks, label.task));
     match (label, task.map(|task| &task.kind)) {
         (Some(label), Some(TaskKind::Cycles(_))) if label.kind == kind => Ok(()),
         _ => Err(scene.refuse(

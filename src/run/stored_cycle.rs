@@ -77,27 +77,35 @@ impl StoredCycle {
             free: prepared.free,
             symmetry,
             parts: self.orbit.parts,
-            scale_state: deviation(&self.orbit),
+            scale_state: Self::deviation(&self.orbit),
             scale_part: self.orbit.part,
             scale_lambda: extent,
         })
     }
-}
 
-/// Root mean square of the orbit's distance from its mean.
-fn deviation(orbit: &Orbit) -> f64 {
-    let scheme = orbit.scheme();
-    let mut sums = (vec![0.0; orbit.dim], 0.0);
-    for w in orbit.mesh.windows(2) {
-        for (c, weight) in scheme.points.iter().zip(&scheme.weights) {
-            let width = w[1] - w[0];
-            let (u, _) = orbit.at(w[0] + c * width, &scheme);
-            for (sum, u) in sums.0.iter_mut().zip(u) {
-                *sum += width * weight * u;
-                sums.1 += width * weight * u * u;
-            }
-        }
+    /// Whether the orbit is a point, but for rounding.
+    pub fn still(&self) -> bool {
+        let largest = self.orbit.nodes.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        Self::deviation(&self.orbit) <= 1e-12 * largest
     }
-    let mean: f64 = sums.0.iter().map(|x| x * x).sum();
-    (sums.1 - mean).max(f64::MIN_POSITIVE).sqrt()
+
+    /// Root mean square of an orbit's distance from its mean, over its computed part.
+    pub fn deviation(orbit: &Orbit) -> f64 {
+        let scheme = orbit.scheme();
+        let points = || {
+            let widths = orbit.mesh.windows(2);
+            let inside = |w: &[f64]| -> Vec<(f64, Vec<f64>)> {
+                let place =
+                    |(c, weight): (&f64, &f64)| ((w[1] - w[0]) * weight, orbit.at(w[0] + c * (w[1] - w[0]), &scheme).0);
+                scheme.points.iter().zip(&scheme.weights).map(place).collect()
+            };
+            widths.flat_map(inside)
+        };
+        let mut mean = vec![0.0; orbit.dim];
+        for (weight, u) in points() {
+            mean.iter_mut().zip(u).for_each(|(m, u)| *m += weight * u);
+        }
+        let distance = |u: &[f64]| u.iter().zip(&mean).map(|(u, m)| (u - m).powi(2)).sum::<f64>();
+        points().map(|(weight, u)| weight * distance(&u)).sum::<f64>().max(f64::MIN_POSITIVE).sqrt()
+    }
 }

@@ -1,11 +1,12 @@
 //! A scene resolved against its model: the problem, its parameters, and what each task needs.
 
 use super::{cycle_curve, cycles, equilibria, fold_curve, hopf_curve, simulate, written};
+use crate::linalg::Structure;
 use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
 use crate::orbit::bifurcations::Critical;
 use crate::problem::{Automatic, Default, Observable, Problem, Tie, Tied};
-use crate::scene::{Expression, Fault, OptionValue, Place, Scene, SceneError, Task, TaskKind, Value, units};
+use crate::scene::{Expression, Fault, OptionValue, Place, Scene, SceneError, Task, TaskKind, Value, owner, units};
 use num_dual::{Dual64, HyperDual64};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -71,6 +72,8 @@ pub struct Prepared {
     pub others: Vec<usize>,
     /// Observables wanted as columns, in the model's order.
     pub observables: Vec<usize>,
+    /// Means and norms wanted of cycles.
+    pub averages: Vec<cycles::Average>,
     /// Labels ("UZ1") whose waveform a figure draws.
     pub waves: BTreeSet<String>,
 }
@@ -214,6 +217,10 @@ impl Study {
         self.model.picture_unit()
     }
 
+    pub fn structure(&self) -> Structure {
+        self.model.structure()
+    }
+
     pub fn dim(&self) -> usize {
         self.model.dim()
     }
@@ -289,7 +296,8 @@ impl Study {
             }
             self.check_start(scene, &problem.resolve(&p))?;
         }
-        let observables = self.wanted(scene, task)?;
+        p[free] = self.values[free];
+        let (observables, averages) = self.wanted(scene, task)?;
         let waves = scene
             .figures
             .iter()
@@ -303,16 +311,42 @@ impl Study {
             free_unit: if varies { q.unit.to_owned() } else { String::new() },
             others,
             observables,
+            averages,
             waves,
         })
     }
 
+    /// States are given by unknowns of the model, and in a diagram by the free parameter.
+    fn check_guesses(&self, scene: &Scene, task: &Task) -> Result<(), SceneError> {
+        let guesses = match &task.kind {
+            TaskKind::Equilibria(task) => task.guess.as_slice(),
+            TaskKind::Diagram(task) => &task.states,
+            _ => &[],
+        };
+        let (along, names) = (task.kind.along(), self.model.unknowns());
+        for (name, value, at) in guesses.iter().flat_map(|guess| &guess.values) {
+            if *name == along.free {
+                let (from, to) = (along.range.from, along.range.to);
+                if !(from..=to).contains(value) {
+                    return Err(scene.fault(at, Fault::OutsideRange { value: *value, from, to }));
+                }
+            } else if names.is_empty() {
+                return Err(scene.refuse(at, "the unknowns of this model have no names, so that no state can be given"));
+            } else if !names.contains(name) {
+                let known = names.iter().map(String::as_str).chain([along.free.as_str()]);
+                return Err(scene.fault(at, Fault::unknown("unknown of the model", name, known)));
+            }
+        }
+        Ok(())
+    }
+
     /// Observables that the task, its figures or expectations name; an unknown name is an error.
-    fn wanted(&self, scene: &Scene, task: &Task) -> Result<Vec<usize>, SceneError> {
+    fn wanted(&self, scene: &Scene, task: &Task) -> Result<(Vec<usize>, Vec<cycles::Average>), SceneError> {
         let along = task.kind.along();
         let of_cycles = [&["period", "frequency", "trivial_error"][..], &cycles::VALUES].concat();
         let own: &[&str] = match task.kind {
             TaskKind::Equilibria(_) => &equilibria::VALUES,
+            TaskKind::Diagram(_) => &[&equilibria::VALUES[..], &of_cycles[..]].concat(),
             TaskKind::Cycles(_) => &of_cycles,
             TaskKind::LpcCurve(_) => cycle_curve::values(Critical::Fold),
             TaskKind::PdCurve(_) => cycle_curve::values(Critical::Flip),
@@ -326,13 +360,22 @@ impl Study {
         };
         let list = self.model.observables();
         let fitted = if let TaskKind::Calibration(task) = &task.kind { task.columns() } else { Vec::new() };
-        let mut wanted = BTreeSet::new();
+        let names: Vec<&str> = list.iter().map(|o| o.name).collect();
+        let periodic = matches!(
+            task.kind,
+            TaskKind::Cycles(_) | TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_)
+        );
+        let (mut wanted, mut averages) = (BTreeSet::new(), BTreeSet::new());
         let mut note = |name: &str, at: &Place| -> Result<(), SceneError> {
             let base = name.strip_prefix("max ").or(name.strip_prefix("min ")).unwrap_or(name);
             let column = own.contains(&name) || name == along.free || is_spectral(name);
             let column = column || fitted.iter().any(|own| own == name);
             let parameter = self.model.parameters().iter().any(|q| q.name == name);
-            match list.iter().position(|o| o.name == base) {
+            if let Some(average) = cycles::Average::named(name, &names).filter(|_| periodic) {
+                averages.insert(average);
+                return Ok(());
+            }
+            match names.iter().position(|known| *known == base) {
                 Some(i) => {
                     wanted.insert(i);
                     Ok(())
@@ -351,10 +394,12 @@ impl Study {
         }
         // Points are located on a column, so that here the name must be one: "max tip_angle" on cycles.
         let columns: Vec<String> = match &task.kind {
-            TaskKind::Equilibria(_) => list.iter().map(|o| o.name.to_owned()).collect(),
+            TaskKind::Equilibria(_) | TaskKind::Diagram(_) => list.iter().map(|o| o.name.to_owned()).collect(),
             TaskKind::Cycles(_) => {
                 let extremes = list.iter().flat_map(|o| [format!("max {}", o.name), format!("min {}", o.name)]);
-                ["period".to_owned(), "frequency".to_owned()].into_iter().chain(extremes).collect()
+                let averages = list.iter().flat_map(|o| [format!("mean {}", o.name), format!("norm {}", o.name)]);
+                let own = ["period", "frequency", "norm"].map(str::to_owned);
+                own.into_iter().chain(extremes).chain(averages).collect()
             }
             TaskKind::HopfCurve(_)
             | TaskKind::FoldCurve(_)
@@ -377,10 +422,27 @@ impl Study {
                 note(name, &figure.at)?;
             }
         }
-        for expect in scene.expect.iter().filter(|e| e.label.starts_with(&format!("{}/", task.name))) {
+        let own = |label: &str| {
+            let branch = label.split('/').next().unwrap_or_default();
+            owner(&scene.tasks, branch).is_some_and(|found| found.name == task.name)
+        };
+        for expect in scene.expect.iter().filter(|e| own(&e.label)) {
             note(&expect.quantity, &expect.at)?;
         }
-        Ok(wanted.into_iter().collect())
+        if let TaskKind::Diagram(diagram) = &task.kind {
+            for (name, range) in &diagram.equilibria.bounds {
+                if !list.iter().any(|o| o.name == name) {
+                    let known = list.iter().map(|o| o.name);
+                    return Err(scene.fault(&range.at, Fault::unknown("observable", name, known)));
+                }
+            }
+            // Something has to be drawn.
+            if wanted.is_empty() && !list.is_empty() {
+                wanted.insert(0);
+            }
+        }
+        self.check_guesses(scene, task)?;
+        Ok((wanted.into_iter().collect(), averages.into_iter().collect()))
     }
 }
 

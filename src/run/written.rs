@@ -1,12 +1,18 @@
 //! A scene's model as text: from the words of the scene to the model, and from the model's errors to their places.
 
-use super::{fold_curve, hopf_curve};
+use super::{equilibria, fold_curve, hopf_curve};
 use crate::models::text::{self, Part, Text, TextError, Written, WrittenDefault, WrittenObservable, WrittenParameter};
 use crate::scene::{Fault, ModelText, Place, Scene, SceneError, TextValue, Words};
 use std::sync::Arc;
 
 /// Columns of results, which no parameter or observable may be called.
 const COLUMNS: [&str; 8] = ["omega", "frequency", "lyapunov", "growth", "period", "trivial_error", "gap", "stable"];
+
+/// All names that results have and models must not.
+pub fn reserved() -> Vec<&'static str> {
+    let lists = [&COLUMNS[..], &equilibria::VALUES, &hopf_curve::VALUES, &fold_curve::VALUES];
+    lists.into_iter().flatten().copied().collect()
+}
 
 pub fn build(scene: &Scene, model: &ModelText) -> Result<Arc<Text>, SceneError> {
     let written = Written {
@@ -36,9 +42,7 @@ pub fn build(scene: &Scene, model: &ModelText) -> Result<Arc<Text>, SceneError> 
             .collect(),
         symmetry: model.symmetry.as_ref().map(|words| words.text.clone()),
         time_unit: model.time_unit.clone(),
-        reserved: (COLUMNS.iter().chain(&hopf_curve::VALUES).chain(&fold_curve::VALUES))
-            .map(|name| (*name).to_owned())
-            .collect(),
+        reserved: reserved().into_iter().map(str::to_owned).collect(),
     };
     text::build(&written).map_err(|error| refuse(scene, model, error))
 }

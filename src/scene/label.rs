@@ -53,13 +53,35 @@ pub(super) struct Announced {
     pub line: Option<usize>,
 }
 
+/// The task that a branch belongs to: its own, or the diagram that found it, whose branches are named "all-1", "all-2", ...
+pub fn owner<'a>(tasks: &'a [Task], branch: &str) -> Option<&'a Task> {
+    tasks
+        .iter()
+        .find(|task| task.name == branch && !matches!(task.kind, TaskKind::Diagram(_)))
+        .or_else(|| tasks.iter().find(|task| matches!(task.kind, TaskKind::Diagram(_)) && owned(&task.name, branch)))
+}
+
+/// Whether a name is that of a branch of a diagram.
+pub(super) fn owned(diagram: &str, branch: &str) -> bool {
+    let number = branch.strip_prefix(diagram).and_then(|rest| rest.strip_prefix('-'));
+    number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
+}
+
 /// Refuses a label whose task is not among those read so far, or finds no such points.
 pub(super) fn check(text: &str, read: &[Task], announced: &[Announced]) -> Result<(), Fault> {
     let first = announced.first().map_or("straight", |task| &task.name);
     let Some(label) = Label::parse(text) else {
         return Err(Fault::Label { found: text.to_owned(), example: format!("{first}/HB1") });
     };
-    let Some(task) = read.iter().find(|task| task.name == label.task) else {
+    if let Some(diagram) = read.iter().find(|task| task.name == label.task && matches!(task.kind, TaskKind::Diagram(_)))
+    {
+        let (name, rest) = (&diagram.name, text.rsplit('/').next().unwrap_or_default());
+        let message = format!(
+            "{name:?} is a diagram of several branches, {name}-1, {name}-2, ...; write for example {name}-1/{rest}"
+        );
+        return Err(Fault::Other(message));
+    }
+    let Some(task) = owner(read, label.task) else {
         return Err(match announced.iter().find(|later| later.name == label.task) {
             Some(later) => Fault::Later { name: later.name.clone(), at: later.line },
             None => Fault::unknown("task", label.task, announced.iter().map(|task| task.name.as_str())),
@@ -86,6 +108,8 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         (_, TaskKind::Simulate(_)) => {
             Some(" (a simulation leaves EP1, and LC1 where it settles on a cycle)".to_owned())
         }
+        ("HB" | "LP" | "BP" | "UZ", TaskKind::Diagram(_)) => None,
+        (_, TaskKind::Diagram(_)) => Some(" (it finds HB, LP, BP, UZ and EP)".to_owned()),
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
         ("UZ", _) => None,
         ("KC" | "XP", TaskKind::Equilibria(task)) => {

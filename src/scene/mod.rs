@@ -2,6 +2,7 @@
 
 mod along;
 mod calibration;
+mod diagram;
 mod entry;
 mod error;
 mod expect;
@@ -24,8 +25,8 @@ pub use crate::expression::Expression;
 pub use calibration::QUANTITIES;
 pub use error::{EntryError, Fault, SceneError};
 pub use figure::FIGURE_KINDS;
-pub use label::{Label, POINT_KINDS};
-pub use task::TASK_KINDS;
+pub use label::{Label, POINT_KINDS, owner};
+pub use task::{TASK_KINDS, is_file};
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -187,6 +188,7 @@ pub struct Task {
 #[derive(Clone, Debug)]
 pub enum TaskKind {
     Equilibria(Equilibria),
+    Diagram(Box<Diagram>),
     Cycles(Cycles),
     HopfCurve(Curve),
     FoldCurve(Curve),
@@ -212,6 +214,7 @@ impl TaskKind {
     pub fn name(&self) -> &'static str {
         match self {
             TaskKind::Equilibria(_) => "equilibria",
+            TaskKind::Diagram(_) => "diagram",
             TaskKind::Cycles(_) => "cycles",
             TaskKind::HopfCurve(_) => "hopf-curve",
             TaskKind::FoldCurve(_) => "fold-curve",
@@ -228,6 +231,7 @@ impl TaskKind {
     pub fn along(&self) -> &Along {
         match self {
             TaskKind::Equilibria(task) => &task.along,
+            TaskKind::Diagram(task) => &task.equilibria.along,
             TaskKind::Cycles(task) => &task.along,
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => &task.along,
             TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => &task.along,
@@ -243,7 +247,7 @@ impl TaskKind {
         match self {
             TaskKind::Equilibria(task) => task.from.as_ref().map(|(from, at)| (from.as_str(), at)),
             TaskKind::Simulate(task) => task.from.as_ref().map(|(from, at)| (from.as_str(), at)),
-            TaskKind::Map(_) => None,
+            TaskKind::Map(_) | TaskKind::Diagram(_) => None,
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => Some((&task.from, &task.from_at)),
             TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => {
@@ -321,10 +325,44 @@ pub struct Equilibria {
     pub from: Option<(String, Place)>,
     /// Where in the range the branch is started without one, to be followed both ways; default: the lower end.
     pub start: Option<f64>,
+    /// A state near which the first point is looked for; default: the model's start.
+    pub guess: Option<Guess>,
+    /// Observables with the ranges in which the branch is followed.
+    pub bounds: Vec<(String, Range)>,
     /// Leading eigenvalues followed as continuous branches; 0: none.
     pub spectrum: usize,
     /// Kinds of special points looked for: "HB", "LP", "BP".
     pub detect: Vec<String>,
+}
+
+/// A state as a scene gives it: values of unknowns, and perhaps of the free parameter.
+#[derive(Clone, Debug)]
+pub struct Guess {
+    pub values: Vec<(String, f64, Place)>,
+    pub at: Place,
+}
+
+impl Guess {
+    /// The free parameter's value, if it is given.
+    pub fn free(&self, name: &str) -> Option<f64> {
+        self.values.iter().find(|(known, ..)| known == name).map(|(_, value, _)| *value)
+    }
+}
+
+/// `kind = "diagram"`: branches of equilibria and cycles, found by themselves.
+#[derive(Clone, Debug)]
+pub struct Diagram {
+    /// What each branch of equilibria is computed with.
+    pub equilibria: Equilibria,
+    /// And each branch of cycles; None: none is computed.
+    pub cycles: Option<Cycles>,
+    /// States from which further branches start.
+    pub states: Vec<Guess>,
+    /// Values of the free parameter at which further solutions are looked for by deflation.
+    pub deflate: Vec<f64>,
+    /// Most switches between the first branch and the last. Default 3.
+    pub depth: usize,
+    pub max_branches: usize,
 }
 
 /// `kind = "cycles"`.
@@ -337,6 +375,9 @@ pub struct Cycles {
     /// Mesh intervals over the computed part of the period; None, the default: 20, or as many as the cycles have that
     /// they start from, twice as many for twice the period.
     pub intervals: Option<usize>,
+    /// Wanted error of the orbit, relative to its size, which sets the number of intervals; default: `1e-6`, or none where
+    /// `intervals` is given.
+    pub tolerance: Option<f64>,
     /// Degree of the collocation polynomials, 2-7. Default 4.
     pub degree: usize,
     /// `points = "radau"` (default): right for stiff problems, order 2m - 1; `"gauss"`: order 2m.
@@ -347,6 +388,13 @@ pub struct Cycles {
     pub symmetry: bool,
     /// Kinds of special points looked for: "LPC", "PD", "NS", "BPC".
     pub detect: Vec<String>,
+}
+
+impl Cycles {
+    /// The error that the mesh is to have; None: the number of intervals is kept.
+    pub fn error(&self) -> Option<f64> {
+        self.tolerance.or(if self.intervals.is_none() { Some(1e-6) } else { None })
+    }
 }
 
 /// `kind = "hopf-curve"`, `"fold-curve"`, `"lpc-curve"`, `"pd-curve"` or `"ns-curve"`.

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use super::entry::{Section, Source};
-use super::label::{Announced, is_name};
+use super::label::{Announced, is_name, owned};
 use super::overrides::Override;
-use super::{Fault, Figure, Place, Scene, SceneError, Task, expect, figure, model, parameters, task, tree};
+use super::{Fault, Figure, Place, Scene, SceneError, Task, TaskKind, expect, figure, model, parameters, task, tree};
 
 const SECTIONS: [&str; 6] = ["title", "model", "parameters", "task", "figure", "expect"];
 
@@ -60,6 +60,16 @@ fn tasks(root: &Section<'_>) -> Result<(Vec<Task>, Vec<Announced>), SceneError> 
     let mut tasks = Vec::with_capacity(sections.len());
     for (name, section) in sections {
         let task = task::read(&section, name, &tasks, &announced)?;
+        let others = tasks.iter().map(|other| (other, &task)).chain(tasks.iter().map(|other| (&task, other)));
+        for (diagram, other) in others {
+            if matches!(diagram.kind, TaskKind::Diagram(_)) && owned(&diagram.name, &other.name) {
+                let message = format!(
+                    "{:?} is the name of a branch of the diagram {:?}; choose another",
+                    other.name, diagram.name
+                );
+                return Err(section.error(Fault::Other(message)));
+            }
+        }
         tasks.push(task);
     }
     Ok((tasks, announced))

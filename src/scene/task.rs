@@ -4,11 +4,12 @@ use super::entry::{Entry, Section};
 use super::label::{self, Announced};
 use super::simulate;
 use super::tree::Content;
-use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, map, several};
+use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, diagram, map, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 11] = [
+pub const TASK_KINDS: [&str; 12] = [
     "equilibria",
+    "diagram",
     "cycles",
     "hopf-curve",
     "fold-curve",
@@ -23,8 +24,8 @@ pub const TASK_KINDS: [&str; 11] = [
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
-const EQUILIBRIA: [&str; 5] = ["log", "from", "start", "spectrum", "detect"];
-const CYCLES: [&str; 7] = ["from", "intervals", "degree", "points", "multipliers", "symmetry", "detect"];
+const EQUILIBRIA: [&str; 6] = ["log", "from", "start", "state", "spectrum", "detect"];
+const CYCLES: [&str; 8] = ["from", "intervals", "tolerance", "degree", "points", "multipliers", "symmetry", "detect"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
 const CALIBRATION: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "targets", "starts", "errors"];
 const MAP: [&str; 7] = ["name", "kind", "free", "range", "log", "grid", "errors"];
@@ -42,7 +43,15 @@ pub(super) fn read(
     // A misspelt "kind" is to be named as such, so first the keys that no kind knows.
     section.allow(
         "key",
-        &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts", "grid", "tolerance"], &simulate::OWN].concat(),
+        &[
+            &COMMON[..],
+            &EQUILIBRIA,
+            &CYCLES,
+            &["targets", "starts", "grid", "tolerance"],
+            &diagram::KEYS,
+            &simulate::OWN,
+        ]
+        .concat(),
     )?;
     let kinds = TASK_KINDS.map(|kind| format!("{kind:?}")).join(" or ");
     let kind = section.need("kind", &format!("kind = {kinds}"))?;
@@ -50,6 +59,10 @@ pub(super) fn read(
         "cycles" => {
             section.allow("key of a cycles task", &[&COMMON[..], &CYCLES].concat())?;
             TaskKind::Cycles(cycles(section, read, announced)?)
+        }
+        "diagram" => {
+            section.allow("key of a diagram task", &diagram::KEYS)?;
+            TaskKind::Diagram(Box::new(diagram::read(section, &name)?))
         }
         "hopf-curve" => {
             section.allow("key of a hopf-curve task", &CURVE)?;
@@ -107,9 +120,13 @@ fn equilibria(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> 
     let from = match section.get("from") {
         Some(entry) => {
             label::check(entry.text()?, read, announced).map_err(|fault| entry.error(fault))?;
-            if let Some(start) = section.get("start") {
-                return Err(start
-                    .error(Fault::Other("a branch starts at a point (from) or at a value (start); keep one".into())));
+            for key in ["start", "state"] {
+                if let Some(other) = section.get(key) {
+                    let message = format!(
+                        "a branch starts at a point (from) or near a state (start, state); leave out from or {key}"
+                    );
+                    return Err(other.error(Fault::Other(message)));
+                }
             }
             Some((entry.text()?.to_owned(), entry.at))
         }
@@ -117,6 +134,8 @@ fn equilibria(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> 
     };
     Ok(Equilibria {
         from,
+        guess: section.get("state").map(|entry| diagram::guess(&entry)).transpose()?,
+        bounds: Vec::new(),
         start: match section.get("start") {
             Some(entry) => Some(inside(&entry, &along)?),
             None => None,
@@ -134,7 +153,7 @@ fn equilibria(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> 
 }
 
 /// A number in the range of the free parameter.
-fn inside(entry: &Entry<'_>, along: &Along) -> Result<f64, SceneError> {
+pub(super) fn inside(entry: &Entry<'_>, along: &Along) -> Result<f64, SceneError> {
     let (value, (from, to)) = (entry.number()?, (along.range.from, along.range.to));
     if (from..=to).contains(&value) { Ok(value) } else { Err(entry.error(Fault::OutsideRange { value, from, to })) }
 }
@@ -148,13 +167,19 @@ fn detect(entry: &Entry<'_>, kinds: &[&'static str]) -> Result<Vec<String>, Scen
 
 fn cycles(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Result<Cycles, SceneError> {
     let from = section.need("from", "from = \"TASK/HB1\", the point where the cycles are born")?;
-    label::check(from.text()?, read, announced).map_err(|fault| from.error(fault))?;
+    if !is_file(from.text()?) {
+        label::check(from.text()?, read, announced).map_err(|fault| from.error(fault))?;
+    }
     Ok(Cycles {
         along: along::read(section)?,
         from: from.text()?.to_owned(),
         from_at: from.at,
         intervals: match section.get("intervals") {
             Some(entry) => Some(entry.count(2..=10_000)?),
+            None => None,
+        },
+        tolerance: match section.get("tolerance") {
+            Some(entry) => Some(tolerance(&entry)?),
             None => None,
         },
         detect: match section.get("detect") {
@@ -180,7 +205,22 @@ fn cycles(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Resu
     })
 }
 
-fn multipliers(entry: &Entry<'_>) -> Result<usize, SceneError> {
+/// Whether a start is a file of samples rather than a label.
+pub fn is_file(from: &str) -> bool {
+    from.ends_with(".csv")
+}
+
+/// A relative error.
+fn tolerance(entry: &Entry<'_>) -> Result<f64, SceneError> {
+    let found = entry.positive()?;
+    if (1e-13..1.0).contains(&found) {
+        return Ok(found);
+    }
+    let allowed = "an error relative to the size of the orbit, from 1e-13 to below 1".to_owned();
+    Err(entry.error(Fault::OutOfBounds { found: found.to_string(), allowed }))
+}
+
+pub(super) fn multipliers(entry: &Entry<'_>) -> Result<usize, SceneError> {
     match entry.node.content {
         Content::Flag(true) => Ok(6),
         Content::Flag(false) => Ok(0),

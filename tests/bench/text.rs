@@ -7,6 +7,7 @@ mod common;
 use common::brusselator::Brusselator;
 use common::lorenz::Lorenz;
 use common::text;
+use hopfline::linalg::Matrix;
 use hopfline::problem::{At, Direction, Problem};
 use std::hint::black_box;
 use std::time::Instant;
@@ -28,7 +29,9 @@ fn compare(name: &str, native: &dyn Problem, text: &dyn Problem, p: &[f64]) {
         println!("{name:12} {what:14} {:>9.1} ns {:>9.1} ns {:>7.2}", 1e9 * rust, 1e9 * taken, taken / rust);
     };
     row("residual", &mut |problem| problem.residual(black_box(at), black_box(&mut out)));
-    row("linearisation", &mut |problem| drop(black_box(problem.linearised(black_box(at)))));
+    let zeros = || Matrix::zeros(text.structure(), n);
+    let (mut gu, mut gv) = (zeros(), zeros());
+    row("linearisation", &mut |problem| problem.linearise(black_box(at), black_box(&mut gu), &mut gv));
     row("third order", &mut |problem| problem.derivative(black_box(at), &[direction; 3], black_box(&mut vec![0.0; n])));
 }
 

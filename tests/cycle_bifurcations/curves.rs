@@ -2,7 +2,7 @@
 
 use super::common::near;
 use super::coordinate;
-use super::exact::{C, M, OMEGA, exact};
+use super::exact::{C, Form, M, OMEGA, exact};
 use hopfline::continuation::{Counts, Point, StepControl, Walk};
 use hopfline::orbit::Collocation;
 use hopfline::orbit::bifurcations::{Critical, CycleCurve, CycleSegment, CycleTest};
@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 
 /// Points of codimension two on a curve in (mu, the second parameter), as (test, mu, second).
 fn special(kind: Critical, second: usize, upward: bool, (low, high): (f64, f64)) -> Vec<(CycleTest, f64, f64)> {
-    let (frame, orbit) = exact(kind, true, 0.0);
+    let (frame, orbit) = exact(kind, Form::Mass, 0.0);
     let system = Collocation::new(frame, &orbit);
     let coordinates = (coordinate(0, 1.0), coordinate(second, 1.0));
     let mut counts = Counts::default();

@@ -9,6 +9,14 @@ use hopfline::problem::{Automatic, Formula, Parameter, Problem, Reflection, Scal
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
+/// How the equations are written.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form {
+    Plain,
+    Mass,
+    Algebraic,
+}
+
 /// A cycle of radius 1 in the plane (x, y) whose normal form is known, with everything around it in the coordinates
 /// `r = 1 + rho`, s, w:
 ///
@@ -19,10 +27,11 @@ use std::sync::Arc;
 /// ```
 ///
 /// with `dphi/dt = 1 + k (squared amplitude)`. With no feed w = q A² + ... on the centre manifold, so that the cubic coefficients are
-/// c + m q. With `mass` the equations are multiplied by a matrix that depends on the state.
+/// c + m q. All of it may be multiplied by a matrix that depends on the
+/// state, or have r² as an algebraic unknown.
 struct Exact {
     kind: Critical,
-    mass: bool,
+    form: Form,
     list: Vec<Parameter>,
 }
 
@@ -34,7 +43,7 @@ pub const OMEGA: f64 = 0.37;
 
 impl Formula for Exact {
     fn dim(&self) -> usize {
-        4
+        if self.form == Form::Algebraic { 5 } else { 4 }
     }
 
     fn parameters(&self) -> &[Parameter] {
@@ -44,7 +53,8 @@ impl Formula for Exact {
     fn residual<S: Scalar>(&self, u: &[S], v: &[S], p: &[S], g: &mut [S]) {
         let (x, y, s, w) = (u[0], u[1], u[2], u[3]);
         let [mu, q, omega, linear, cubic, feed] = [p[0], p[1], p[2], p[3], p[4], p[5]];
-        let r = (x * x + y * y).sqrt();
+        let distance = x * x + y * y;
+        let r = if self.form == Form::Algebraic { u[4] } else { distance }.sqrt();
         let (cosine, sine, rho) = (x / r, y / r, r - 1.0);
         let (turning, rho_rate, s_rate, square);
         match self.kind {
@@ -78,39 +88,51 @@ impl Formula for Exact {
         for i in 0..4 {
             g[i] = v[i] - rates[i];
         }
-        if self.mass {
-            let [a, b, c, d] = [g[0], g[1], g[2], g[3]];
-            (g[0], g[1]) = (a * (x * x + 2.0) + b * y.sin(), b * (x * 0.3).exp() - d * s);
-            (g[2], g[3]) = (c + a * x * 0.5, d + c * y * 0.4);
+        match self.form {
+            Form::Plain => {}
+            Form::Mass => {
+                let [a, b, c, d] = [g[0], g[1], g[2], g[3]];
+                (g[0], g[1]) = (a * (x * x + 2.0) + b * y.sin(), b * (x * 0.3).exp() - d * s);
+                (g[2], g[3]) = (c + a * x * 0.5, d + c * y * 0.4);
+            }
+            Form::Algebraic => g[4] = u[4] - distance,
         }
     }
 }
 
 /// The unit circle at mu = `mu`, with the multipliers that its equations have.
-pub fn exact(kind: Critical, mass: bool, mu: f64) -> (Frame, Orbit) {
+pub fn exact(kind: Critical, form: Form, mu: f64) -> (Frame, Orbit) {
     let p = vec![mu, Q, OMEGA, 0.0, 1.0, 0.0];
     let names = ["mu", "q", "omega", "linear", "cubic", "feed"];
     let list = names.iter().zip(&p).map(|(name, &value)| parameter(name, value)).collect();
-    let problem: Arc<dyn Problem> = Arc::new(Automatic(Exact { kind, mass, list }));
-    let (intervals, degree, points) = (16, 6, Points::Gauss);
+    let problem: Arc<dyn Problem> = Arc::new(Automatic(Exact { kind, form, list }));
+    let dim = problem.dim();
+    // An algebraic unknown needs the ends of intervals among the collocation points.
+    let points = if form == Form::Algebraic { Points::Radau } else { Points::Gauss };
+    let (intervals, degree) = (16, 6);
     let scheme = Scheme::new(points, degree);
     let mut nodes = Vec::new();
     for i in 0..=intervals * degree {
         let phi = TAU * ((i / degree) as f64 + scheme.nodes[i % degree]) / intervals as f64;
-        nodes.extend([phi.cos(), phi.sin(), 0.0, 0.0]);
+        nodes.extend_from_slice(&[phi.cos(), phi.sin(), 0.0, 0.0, 1.0][..dim]);
     }
     let mesh = (0..=intervals).map(|j| j as f64 / intervals as f64).collect();
-    let orbit = Orbit { mesh, points, degree, nodes, dim: 4, part: TAU, parts: 1 };
-    let symmetry = Reflection::identity(4);
+    let orbit = Orbit { mesh, points, degree, nodes, dim, part: TAU, parts: 1 };
+    let symmetry = Reflection::identity(dim);
     let (scale_state, scale_part, scale_lambda) = (1.0, TAU, 1.0);
     (Frame { problem, p, free: 0, symmetry, parts: 1, scale_state, scale_part, scale_lambda }, orbit)
 }
 
 #[test]
-fn normal_forms_are_exact_whatever_the_mass() {
-    for (kind, expected) in [(Critical::Flip, C + M * Q), (Critical::Torus, 2.0 * (C + M * Q)), (Critical::Fold, C)] {
-        for mass in [false, true] {
-            let (frame, orbit) = exact(kind, mass, 0.01);
+fn normal_forms_are_exact_with_any_mass() {
+    // The mean square of the critical function as it stands above: e, (1/2)(e_rho -+ i e_s), e_rho; an algebraic unknown
+    // r² adds the square of 2 rho.
+    let cubic = C + M * Q;
+    for (kind, coefficient, square, more) in
+        [(Critical::Flip, cubic, 1.0, 2.0), (Critical::Torus, cubic, 0.5, 1.0), (Critical::Fold, C, 1.0, 4.0)]
+    {
+        for form in [Form::Plain, Form::Mass, Form::Algebraic] {
+            let (frame, orbit) = exact(kind, form, 0.01);
             let system = Collocation::new(frame, &orbit);
             let cosine = (TAU * OMEGA + 0.01).cos();
             let (cycle, x) =
@@ -122,9 +144,11 @@ fn normal_forms_are_exact_whatever_the_mass() {
             if kind == Critical::Torus {
                 near("cos(theta)", cycle.cosine(&x).expect("an angle"), (TAU * OMEGA).cos(), 1e-9);
             }
-            let form = CycleNormalForm::new(&cycle, &x).expect("a normal form");
+            let found = CycleNormalForm::new(&cycle, &x).expect("a normal form");
+            let size: f64 = if form == Form::Algebraic { square + more } else { square };
             // v points to longer periods, and those are at larger rho.
-            close("coefficient", form.coefficient.re, expected, 1e-8);
+            let expected = if kind == Critical::Fold { coefficient / size.sqrt() } else { coefficient / size };
+            close("coefficient", found.coefficient.re, expected, 1e-8);
         }
     }
 }

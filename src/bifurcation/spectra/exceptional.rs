@@ -140,7 +140,9 @@ const SYMMETRIC: f64 = 1e-10;
 impl Meeting {
     pub(super) fn of(x: c64, y: c64) -> Self {
         let half = 0.5 * (x - y);
-        Self { mean: 0.5 * (x + y), discriminant: half.re * half.re - half.im * half.im }
+        let height = if x.im > 0.0 && y.im > 0.0 { 0.5 * (x.im + y.im) } else { 0.0 };
+        let mean = c64::new(0.5 * (x.re + y.re), height);
+        Self { mean, discriminant: half.re * half.re - half.im * half.im }
     }
 
     /// All of the eigenvalues that may coalesce off the real axis.

@@ -49,6 +49,8 @@ pub struct Spectra<'a> {
 
 /// Halvings of a step before eigenvalues that cannot be told apart are settled by distance alone.
 const MOST_HALVINGS: usize = 12;
+/// As many samples may be added to one step for that.
+const MOST_INSERTED: usize = 2 * MOST_HALVINGS;
 /// Eigenvalues closer than this part of the visible height need not be told apart.
 const BLUR: f64 = 0.002;
 /// Corners larger than this part of the spectrum's visible height are smoothed, by so many rounds of halving.
@@ -133,11 +135,11 @@ impl<'a> Spectra<'a> {
         self.meetings(samples, counts)?;
         let Some(first) = samples.first_mut() else { return Ok(()) };
         first.followed = first.values.iter().take(2 * self.wanted + 4).copied().collect();
-        // The step that is looked at ends at `end`; halved too often, all of it is settled by distance.
-        let (mut i, mut end, mut halvings, mut hopeless) = (1, 1, 0, false);
+        // The step that is looked at ends at `end`; after too many samples in it, the rest is settled by distance.
+        let (mut i, mut end, mut halvings, mut inserted) = (1, 1, 0, 0);
         while i < samples.len() {
             if i > end {
-                (end, halvings, hopeless) = (i, 0, false);
+                (end, halvings, inserted) = (i, 0, 0);
             }
             let meets = |s: &Sample| matches!(s.mark, Some(Mark::Exceptional(mean)) if mean.im > 0.0);
             let near_meeting = meets(&samples[i - 1]) || meets(&samples[i]);
@@ -150,8 +152,7 @@ impl<'a> Spectra<'a> {
             };
             let found = match follow(last, &guess, values, self.wanted, BLUR * height(self.wanted)) {
                 // Two pairs on one spot cannot be told apart, however close one looks.
-                Err(_) if halvings >= MOST_HALVINGS || hopeless || near_meeting => {
-                    hopeless |= !near_meeting;
+                Err(_) if halvings >= MOST_HALVINGS || inserted >= MOST_INSERTED || near_meeting => {
                     Ok(Followed { values: settle(&guess, values), coalesced: Vec::new() })
                 }
                 found => found,
@@ -159,7 +160,7 @@ impl<'a> Spectra<'a> {
             match found {
                 Err(_) => {
                     self.insert(samples, i, 0.5, counts)?;
-                    (end, halvings) = (end + 1, halvings + 1);
+                    (end, halvings, inserted) = (end + 1, halvings + 1, inserted + 1);
                 }
                 Ok(found) => {
                     let near = [&samples[i - 1], &samples[i]];
@@ -357,13 +358,14 @@ fn extrapolate(samples: &[Sample], i: usize) -> Vec<c64> {
     pairs.map(|(x, y)| if ratio <= 4.0 && same(x, y) { x + (x - y) * ratio } else { *x }).collect()
 }
 
-/// Branches that are among the `wanted` rightmost at some sample, by their first real part.
+/// Branches that are among the `wanted` rightmost at some sample, the slowest of those on the axis.
 pub fn leading(samples: &[Sample], wanted: usize) -> Vec<usize> {
     let count = samples.first().map_or(0, |s| s.followed.len());
     let mut shown = vec![false; count];
     for sample in samples {
         let mut order: Vec<usize> = (0..count).collect();
-        order.sort_by(|&j, &k| sample.followed[k].re.total_cmp(&sample.followed[j].re));
+        let (growth, speed) = (|k: usize| growth(sample.followed[k]), |k: usize| sample.followed[k].im.abs());
+        order.sort_by(|&j, &k| growth(k).total_cmp(&growth(j)).then(speed(j).total_cmp(&speed(k))));
         order.iter().take(wanted).for_each(|&k| shown[k] = true);
     }
     (0..count).filter(|&k| shown[k]).collect()

@@ -47,6 +47,10 @@ impl Formula for Arc<Text> {
         self.structure.clone()
     }
 
+    fn unknowns(&self) -> Vec<String> {
+        self.names.clone()
+    }
+
     fn start(&self, p: &[f64]) -> Vec<f64> {
         let rest = vec![0.0; self.rows.len()];
         let mut u = rest.clone();

@@ -2,11 +2,18 @@
 
 use super::graph::{Graph, Id, Vertex};
 use super::{MAX_PATTERN, Wrong};
-use crate::linalg::Structure;
+use crate::linalg::{Pattern, Structure};
+use std::sync::Arc;
 
-/// Bands are worth their while from this size on, where they are this many times narrower than the matrix.
+/// Bands are worth their while from this size on, where they are this many times narrower than the matrix; wide ones only
+/// where they are not nearly empty.
 const LEAST_BANDED: usize = 16;
 const NARROW: usize = 3;
+const WIDE: usize = 40;
+const EMPTY: usize = 4;
+/// Sparse algebra is, from this size on, where this part of the entries at most may differ from zero.
+const LEAST_SPARSE: usize = 200;
+const SPARSE: usize = 8;
 /// Most unknowns of dense algebra.
 const MOST_DENSE: usize = 4000;
 
@@ -76,25 +83,32 @@ pub fn assign(rows: Vec<Row>, n: usize) -> Vec<Row> {
     taken.into_iter().flatten().collect()
 }
 
-/// Bands, where they are narrow.
+/// Bands where they are narrow, else the pattern where it has few entries.
 pub fn structure(rows: &[Row]) -> Result<Structure, Wrong> {
     let n = rows.len();
-    let (mut lower, mut upper) = (0, 0);
-    for (i, row) in rows.iter().enumerate() {
-        for &j in row.unknowns.iter().chain(&row.rates) {
-            let j = j as usize;
-            lower = lower.max(i.saturating_sub(j));
-            upper = upper.max(j.saturating_sub(i));
-        }
+    let entries = || {
+        rows.iter()
+            .enumerate()
+            .flat_map(|(i, row)| row.unknowns.iter().chain(&row.rates).map(move |&j| (i, j as usize)))
+    };
+    let (mut lower, mut upper, mut count) = (0, 0, 0);
+    for (i, j) in entries() {
+        lower = lower.max(i.saturating_sub(j));
+        upper = upper.max(j.saturating_sub(i));
+        count += 1;
     }
-    if n >= LEAST_BANDED && NARROW * (lower + upper + 1) <= n {
+    let band = lower + upper + 1;
+    if n >= LEAST_BANDED && NARROW * band <= n && (band <= WIDE || EMPTY * count >= n * band) {
         return Ok(Structure::Banded { lower, upper });
+    }
+    if n >= LEAST_SPARSE && SPARSE * count <= n * n {
+        return Ok(Structure::Sparse(Arc::new(Pattern::new(n, entries()))));
     }
     if n > MOST_DENSE {
         let message = format!(
-            "{n} unknowns, of which some equation couples two that are {} apart: without a narrow band at most {MOST_DENSE} \
-             unknowns are allowed; choose a smaller size",
-            lower.max(upper)
+            "{n} unknowns, of which each equation couples {} on the average: at most {MOST_DENSE} are allowed where there are \
+             so many; choose a smaller size",
+            count / n
         );
         return Err(Wrong { offset: None, message });
     }

@@ -23,31 +23,44 @@ struct Step {
     advance: (bool, bool),
 }
 
-/// Registers hold, in this order: unknowns, rates, parameters, constants, results of the steps.
+/// `v_rate - r_register`, which most equations end with, or a register alone.
+#[derive(Clone, Copy, Debug)]
+struct Output {
+    rate: Option<u32>,
+    register: u32,
+}
+
+/// Registers hold, in this order: unknowns, rates where steps use them, parameters, constants, results of the steps.
 #[derive(Clone, Debug)]
 pub struct Tape {
     /// The unknown in each of the first registers, and the rate in each of those that follow.
     order: Vec<u32>,
     identity: bool,
+    rates: bool,
     parameters: usize,
     constants: Vec<f64>,
     steps: Vec<Step>,
     registers: usize,
-    outputs: Vec<u32>,
+    /// The register of the first result.
+    first: usize,
+    outputs: Vec<Output>,
 }
 
 impl Tape {
     /// What the outputs need. `order` lists the unknowns array by array; the inputs of an evaluation are in the order of
     /// the problem.
     pub fn new(graph: &Graph, order: &[u32], parameters: usize, outputs: &[Id]) -> Tape {
-        let needed = reach(graph, outputs);
+        let ends: Vec<(Option<u32>, Id)> = outputs.iter().map(|&id| end(graph, id)).collect();
+        let needed = reach(graph, ends.iter().map(|(_, id)| *id));
+        let mut rates = false;
         let mut constants: Vec<Id> = Vec::new();
         let mut operations: Vec<Id> = Vec::new();
         for id in needed {
             match graph.vertices[id as usize].vertex {
                 Vertex::Constant(_) => constants.push(id),
                 Vertex::Operation(..) => operations.push(id),
-                _ => {}
+                Vertex::Rate(_) => rates = true,
+                Vertex::Unknown(_) | Vertex::Parameter(_) => {}
             }
         }
         operations.sort_by_key(|&id| {
@@ -58,14 +71,15 @@ impl Tape {
         let n = order.len();
         let mut slot = vec![0_u32; n];
         order.iter().zip(0..).for_each(|(&unknown, at)| slot[unknown as usize] = at);
-        let first = 2 * n + parameters;
+        let inputs = if rates { 2 * n } else { n };
+        let first = inputs + parameters;
         let mut register = vec![u32::MAX; graph.vertices.len()];
         let places = constants.iter().chain(&operations).zip(first as u32..);
         places.for_each(|(&id, at)| register[id as usize] = at);
         let of = |id: Id| match graph.vertices[id as usize].vertex {
             Vertex::Unknown(i) => slot[i as usize],
             Vertex::Rate(i) => n as u32 + slot[i as usize],
-            Vertex::Parameter(i) => 2 * n as u32 + i,
+            Vertex::Parameter(i) => inputs as u32 + i,
             Vertex::Constant(_) | Vertex::Operation(..) => register[id as usize],
         };
         let mut steps: Vec<Step> = Vec::new();
@@ -90,8 +104,10 @@ impl Tape {
             parameters,
             constants: constants.iter().filter_map(|&id| graph.value(id)).collect(),
             registers,
+            first: first + constants.len(),
             steps,
-            outputs: outputs.iter().map(|&id| of(id)).collect(),
+            rates,
+            outputs: ends.iter().map(|&(rate, id)| Output { rate, register: of(id) }).collect(),
         }
     }
 
@@ -112,33 +128,35 @@ impl Tape {
             r[next % N] = value;
             next += 1;
         };
-        self.order.iter().for_each(|&i| push(&mut r, u[i as usize]));
-        self.order.iter().for_each(|&i| push(&mut r, v[i as usize]));
+        if self.identity {
+            u.iter().for_each(|&x| push(&mut r, x));
+        } else {
+            self.order.iter().for_each(|&i| push(&mut r, u[i as usize]));
+        }
+        if self.rates {
+            self.order.iter().for_each(|&i| push(&mut r, v[i as usize]));
+        }
         p.iter().for_each(|&p| push(&mut r, p));
         self.constants.iter().for_each(|&value| push(&mut r, S::from(value)));
         for step in &self.steps {
             let (a, b) = (r[step.a as usize % N], r[step.b as usize % N]);
             push(&mut r, apply(step.code, a, b));
         }
-        out.iter_mut().zip(&self.outputs).for_each(|(out, &at)| *out = r[at as usize % N]);
+        for (out, end) in out.iter_mut().zip(&self.outputs) {
+            *out = end.value(v, r[end.register as usize % N]);
+        }
     }
 
     fn evaluate_large<S: Scalar>(&self, (u, v, p): (&[S], &[S], &[S]), out: &mut [S]) {
         let r = &mut vec![S::from(0.0); self.registers][..];
         let n = self.order.len();
         let (unknowns, rest) = r.split_at_mut(n);
-        let (rates, rest) = rest.split_at_mut(n);
-        if self.identity {
-            unknowns.copy_from_slice(u);
-            rates.copy_from_slice(v);
-        } else {
-            for ((unknown, rate), &i) in unknowns.iter_mut().zip(rates).zip(&self.order) {
-                (*unknown, *rate) = (u[i as usize], v[i as usize]);
-            }
-        }
+        let (rates, rest) = rest.split_at_mut(if self.rates { n } else { 0 });
+        unknowns.iter_mut().zip(&self.order).for_each(|(r, &i)| *r = u[i as usize]);
+        rates.iter_mut().zip(&self.order).for_each(|(r, &i)| *r = v[i as usize]);
         rest[..self.parameters].copy_from_slice(p);
         rest[self.parameters..].iter_mut().zip(&self.constants).for_each(|(r, &value)| *r = S::from(value));
-        let mut next = 2 * n + self.parameters + self.constants.len();
+        let mut next = self.first;
         for step in &self.steps {
             let (a, b, len) = (step.a as usize, step.b as usize, step.len as usize);
             if len == 1 {
@@ -149,8 +167,30 @@ impl Tape {
             }
             next += len;
         }
-        out.iter_mut().zip(&self.outputs).for_each(|(out, &at)| *out = r[at as usize]);
+        for (out, end) in out.iter_mut().zip(&self.outputs) {
+            *out = end.value(v, r[end.register as usize]);
+        }
     }
+}
+
+impl Output {
+    #[inline(always)]
+    fn value<S: Scalar>(self, v: &[S], r: S) -> S {
+        match self.rate {
+            Some(i) => v[i as usize] - r,
+            None => r,
+        }
+    }
+}
+
+/// An output as a rate, from which something is taken, and that, or as itself.
+fn end(graph: &Graph, id: Id) -> (Option<u32>, Id) {
+    if let Vertex::Operation(Code::Subtract, a, b) = graph.vertices[id as usize].vertex
+        && let Vertex::Rate(i) = graph.vertices[a as usize].vertex
+    {
+        return (Some(i), b);
+    }
+    (None, id)
 }
 
 impl Step {
@@ -213,26 +253,29 @@ fn apply<S: Scalar>(code: Code, a: S, b: S) -> S {
     }
 }
 
+#[cold]
 #[inline(never)]
 fn power<S: Scalar>(a: S, b: S) -> S {
     a.powd(b)
 }
 
+#[cold]
 #[inline(never)]
 fn real_power<S: Scalar>(a: S, b: S) -> S {
     a.powf(b.re())
 }
 
 /// Apart from the frequent operations, which stay short without it.
+#[cold]
 #[inline(never)]
 fn call<S: Scalar>(function: Function, a: S) -> S {
     function.apply(a)
 }
 
 /// The vertices that the outputs are made of, in order.
-pub fn reach(graph: &Graph, outputs: &[Id]) -> Vec<Id> {
+fn reach(graph: &Graph, outputs: impl Iterator<Item = Id>) -> Vec<Id> {
     let mut seen = vec![false; graph.vertices.len()];
-    outputs.iter().for_each(|&id| seen[id as usize] = true);
+    outputs.for_each(|id| seen[id as usize] = true);
     for id in (0..graph.vertices.len()).rev() {
         if let (true, Vertex::Operation(_, a, b)) = (seen[id], graph.vertices[id].vertex) {
             seen[a as usize] = true;

@@ -94,7 +94,11 @@ fn chains_get_narrow_bands() {
     long.constants[0].1 = 100;
     let problem = Automatic(text(&long));
     assert_eq!(Problem::structure(&problem), Structure::Banded { lower: 2, upper: 2 });
-    // A mean field couples everything.
+    // A ring closes far from the diagonal, a mean field couples everything.
+    long.equations = chain.replace("u[0] = 0\nu[N+1] = 0", "u[0] = u[N]\nu[N+1] = u[1]");
+    let structure = Problem::structure(&Automatic(text(&long)));
+    assert!(matches!(&structure, Structure::Sparse(pattern) if pattern.entries() == 600), "{structure:?}");
+    long.equations = chain.to_owned();
     long.equations = chain.replace("+ v[i]", "+ sum(v[k], k = 1..N)");
     assert_eq!(Problem::structure(&Automatic(text(&long))), Structure::Dense);
 }
@@ -260,9 +264,10 @@ fn errors_outside_the_equations() {
         let error = build(&odd).map(drop).expect_err(name).to_string();
         assert!(error.contains(expected), "{name}: {error}");
     }
-    let mut big = written("u[i]' = u[i-1] - u[i]  for i = 1..N\nu[0] = u[N]");
-    big.constants[0].1 = 100_000;
-    assert!(build(&big).map(drop).expect_err("too wide").to_string().contains("without a narrow band at most 4000"));
+    let mut big = written("u[i]' = m - u[i]  for i = 1..N\nm = sum(u[k], k = 1..N)");
+    big.constants[0].1 = 5000;
+    let error = build(&big).map(drop).expect_err("too many").to_string();
+    assert!(error.contains("at most 4000 are allowed"), "{error}");
 }
 
 #[test]

@@ -14,6 +14,8 @@ use crate::orbit::{Collocation, Orbit, OrbitFactors};
 const ROUNDS: usize = 8;
 /// Steps of regula falsi in a round.
 const STEPS: usize = 3;
+/// A real pair after so many rounds is a neutral saddle.
+const NEUTRAL: usize = 3;
 /// Converged points may lie outside the step by this part of it.
 const SLACK: f64 = 1e-6;
 /// Branch points whose unfolding is larger, in units of the state, are where two branches pass each other.
@@ -66,11 +68,14 @@ impl Segment<'_> {
         let nearest = if a.abs() < b.abs() { (self.from, a, self.signs[0]) } else { (self.to, b, self.signs[1]) };
         let (best, least, pair) = (nearest.0.clone(), nearest.1.abs(), nearest.2.pair);
         let mut bracket = Bracket { low: (0.0, a), high: (1.0, b), best, least, pair };
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             for _ in 0..STEPS {
                 self.narrow(event, &mut bracket, counts)?;
             }
             if event == Event::Torus && bracket.pair.is_none() {
+                if round + 1 >= NEUTRAL {
+                    return Ok(None);
+                }
                 continue;
             }
             let Ok(found) = self.converge(event, &bracket, counts) else { continue };

@@ -23,6 +23,7 @@ mod normal_form;
 mod place;
 mod signs;
 mod switch;
+mod vanishing;
 
 pub use borders::Borders;
 pub use branch_point::BranchPoint;
@@ -36,3 +37,4 @@ pub use normal_form::CycleNormalForm;
 pub use place::Place;
 pub use signs::{Event, Signs};
 pub use switch::Departure;
+pub use vanishing::Amplitude;

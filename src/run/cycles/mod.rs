@@ -2,21 +2,26 @@
 //! bifurcations, user values and errors.
 
 mod origin;
+mod quantities;
 mod rows;
 mod special;
 
-pub use rows::{empty, measure};
+pub use quantities::{Average, columns, measure};
+pub use rows::empty;
 pub use special::{VALUES, angle};
 
-use super::outcome::{Outcome, Status};
+use super::outcome::{Outcome, Status, joined};
 use super::resume::{Checkpoint, Keeper};
 use super::study::Prepared;
 use super::watch::{Watch, interrupted};
 use crate::branch::{Branch, Kind, SpecialPoint};
 use crate::continuation::{Counts, Failure, Point, Stop, Walk, at_lambda, crossing};
-use crate::orbit::bifurcations::{Event, Homoclinic, Passage, Segment, Signs};
+use crate::orbit::bifurcations::{Amplitude, Event, Homoclinic, Passage, Segment, Signs};
 use crate::orbit::{Collocation, OrbitFactors};
+use crate::problem::{Problem, Reflection};
 use crate::scene;
+pub use origin::INTERVALS;
+use origin::Origin;
 use rows::Pending;
 use special::{Between, Special};
 use std::time::Instant;
@@ -36,6 +41,10 @@ enum CyclesError {
     OtherParameter { label: String, name: String },
     #[error("the branches at {0} touch: there is no other direction to second order")]
     Touching(String),
+    #[error("the start {0} does not move: it is an equilibrium")]
+    Still(String),
+    #[error("the start {0} has a period of {1}, which is not a positive number")]
+    Period(String, f64),
     #[error("the first Lyapunov coefficient vanishes: third order does not decide where the cycles go")]
     Degenerate,
 }
@@ -47,19 +56,41 @@ struct Cycles<'a> {
     branch: Branch,
     /// Accepted points that are not rows yet: rows are made side by side, several at a time.
     pending: Vec<Pending>,
+    /// How the first of two ways ended, once it has.
+    behind: Option<(Status, String)>,
 }
 
 /// Why a branch ended.
 enum End {
     Stop(Stop),
-    /// In a sentence.
-    Homoclinic(String),
+    /// At a homoclinic orbit or a Hopf point, in a sentence.
+    Recognised(String),
 }
 
 /// Rows made at once.
 const BATCH: usize = 8;
 
-/// Runs the task from a Hopf point; goes on from a checkpoint if there is one.
+/// What stands beside a running task: where its state is kept, who watches, since when and how long before that.
+#[derive(Clone, Copy)]
+struct Tools<'a> {
+    keeper: &'a Keeper,
+    watch: &'a Watch,
+    start: Instant,
+    before: f64,
+}
+
+/// Which way along the branch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// The only one there is.
+    Away,
+    /// Of a start amid a branch first to smaller values of the parameter, then to larger ones; of the other branch at a
+    /// branch point first one side, then the other.
+    Down,
+    Up,
+}
+
+/// Runs the task from its start; goes on from a checkpoint if there is one.
 pub fn run(
     prepared: &Prepared,
     name: &str,
@@ -72,42 +103,84 @@ pub fn run(
     let kept = keeper.load(name);
     let before = kept.as_ref().map_or(0.0, |kept| kept.seconds);
     let mut counts = kept.as_ref().map_or_else(Counts::default, |kept| kept.counts);
-    let mut cycles = Cycles { prepared, task, branch: empty(prepared, name, task), pending: Vec::new() };
-    let result = cycles.follow(from, kept, keeper, watch, &mut counts, (start, before));
-    let (status, reason) = match result {
-        Ok(End::Stop(Stop::Interrupted)) => (Status::Interrupted, Stop::Interrupted.to_string()),
-        Ok(End::Stop(stop @ Stop::Stagnation { .. })) => (Status::Failed, stop.to_string()),
-        Ok(End::Stop(stop)) => (Status::Done, stop.to_string()),
-        Ok(End::Homoclinic(reason)) => (Status::Done, reason),
+    let mut cycles = Cycles { prepared, task, branch: empty(prepared, name, task), pending: Vec::new(), behind: None };
+    let (status, reason) = match cycles.both_ways(from, kept, Tools { keeper, watch, start, before }, &mut counts) {
+        Ok(end) => end,
         Err(failure) => (Status::Failed, failure.to_string()),
     };
     Outcome { branch: cycles.branch, status, reason, seconds: before + start.elapsed().as_secs_f64(), counts }
 }
 
+impl End {
+    fn describe(self) -> (Status, String) {
+        match self {
+            End::Stop(Stop::Interrupted) => (Status::Interrupted, Stop::Interrupted.to_string()),
+            End::Stop(stop @ Stop::Stagnation { .. }) => (Status::Failed, stop.to_string()),
+            End::Stop(stop) => (Status::Done, stop.to_string()),
+            End::Recognised(reason) => (Status::Done, reason),
+        }
+    }
+}
+
 impl Cycles<'_> {
-    fn follow(
+    /// The branch from its start, both ways where it goes on both sides; status and reason.
+    fn both_ways(
         &mut self,
         from: &SpecialPoint,
-        kept: Option<Checkpoint>,
-        keeper: &Keeper,
-        watch: &Watch,
+        mut kept: Option<Checkpoint>,
+        tools: Tools,
         counts: &mut Counts,
-        (start, before): (Instant, f64),
+    ) -> Result<(Status, String), CyclesError> {
+        let origin = self.origin(from)?;
+        if !matches!(origin, Origin::Amid { .. } | Origin::Cycle { flip: false, .. }) {
+            return Ok(self.follow(&origin, Way::Away, kept, tools, counts)?.describe());
+        }
+        let mut behind = kept.as_mut().and_then(|kept| kept.behind.take());
+        if behind.is_none() {
+            let end = self.follow(&origin, Way::Down, kept.take(), tools, counts)?.describe();
+            if end.0 == Status::Interrupted {
+                return Ok(end);
+            }
+            self.turn();
+            behind = Some(end);
+        }
+        let (before, reason) = behind.clone().unwrap_or((Status::Done, String::new()));
+        self.behind = behind;
+        let (status, last) = self.follow(&origin, Way::Up, kept, tools, counts)?.describe();
+        Ok(joined([(before, &reason), (status, &last)]))
+    }
+
+    /// The rows so far in opposite order: the way back to the start.
+    fn turn(&mut self) {
+        let count = self.branch.rows.len();
+        self.branch.rows.reverse();
+        self.branch.points.iter_mut().for_each(|point| point.row = count - 1 - point.row);
+    }
+
+    fn follow(
+        &mut self,
+        origin: &Origin,
+        way: Way,
+        kept: Option<Checkpoint>,
+        Tools { keeper, watch, start, before }: Tools,
+        counts: &mut Counts,
     ) -> Result<End, CyclesError> {
         let along = &self.task.along;
         let (low, high) = (along.range.from, along.range.to);
-        let origin = self.origin(from)?;
         let onset = origin.onset(self.prepared.free);
         let (mut system, state, mut signs, mut passages) = match kept {
             Some(Checkpoint { branch, orbit, walk, signs, passages, .. }) => {
                 self.branch = branch;
-                (Collocation::new(self.frame(&origin)?, &orbit), walk, signs, passages)
+                (Collocation::new(self.frame(origin)?, &orbit), walk, signs, passages)
             }
             None => {
-                let (system, state) = self.start(&origin, counts)?;
+                let (system, state) = self.start(origin, way, counts)?;
                 (system, state, None, Vec::new())
             }
         };
+        system.tolerance = self.task.error();
+        // Of two ways each has half of the points.
+        let room = if way == Way::Down { along.max_points.div_ceil(2) } else { along.max_points };
         let wanted = self.wanted(system.frame.parts);
         let width = system.frame.scale_lambda;
         let mut walk = Walk::resume(&mut system, state, (low, high));
@@ -124,6 +197,7 @@ impl Cycles<'_> {
                     walk: walk.state.clone(),
                     counts: *counts,
                     seconds: before + start.elapsed().as_secs_f64(),
+                    behind: self.behind.clone(),
                     signs: signs.clone(),
                     passages: passages.clone(),
                 });
@@ -131,7 +205,7 @@ impl Cycles<'_> {
             if stopping {
                 return Ok(End::Stop(Stop::Interrupted));
             }
-            if self.branch.rows.len() + self.pending.len() >= along.max_points {
+            if self.branch.rows.len() + self.pending.len() >= room {
                 self.make_rows(counts);
                 return Ok(End::Stop(Stop::MaxPoints));
             }
@@ -149,13 +223,20 @@ impl Cycles<'_> {
                 }
             };
             let lambda = step.to.lambda;
+            if let Some(reason) = self.vanished(origin, &*walk.system, &step.from, &step.to) {
+                self.make_rows(counts);
+                if self.branch.rows.last().is_some_and(|row| row.label.is_none()) {
+                    self.name_last_row(&here, Kind::EP);
+                }
+                return Ok(End::Recognised(reason));
+            }
             let mut between = self.user_values(&*walk.system, &step.from, &step.to, counts)?;
             let next = self.signs(&step.to, &step.factors, &wanted, counts);
             // At the first point nothing has been looked at yet: its signs come from the factors of the first step.
             if let (Some(a), Some(b)) = (self.signs_before(&signs, &*walk.system, &step.from, &wanted, counts), &next) {
                 let signs = [&a, b];
                 let segment = Segment { system: &*walk.system, from: &step.from, to: &step.to, signs, width };
-                between.extend(self.bifurcations(&segment, &wanted, counts)?);
+                between.extend(self.bifurcations(&segment, &wanted, counts));
             }
             signs = next;
             between.sort_by(|x, y| x.fraction.total_cmp(&y.fraction));
@@ -171,11 +252,10 @@ impl Cycles<'_> {
                 _ => None,
             };
             let ended = homoclinic.is_some() || step.stop == Some(Stop::RangeEnd);
-            let special = homoclinic.as_ref().map_or_else(Special::default, |end| Special {
-                values: vec![("homoclinic", end.lambda)],
-                errors: vec![("homoclinic".to_owned(), end.error)],
-                cosine: None,
-            });
+            let special = match &homoclinic {
+                Some(end) => self.end(&*walk.system, &step.to, end, counts),
+                None => Special::default(),
+            };
             let kind = ended.then_some(Kind::EP);
             let pending = self.pending(&*walk.system, &step.to, Some(&*step.factors), kind, special);
             self.pending.push(pending);
@@ -186,9 +266,9 @@ impl Cycles<'_> {
             watch.at((lambda - onset) / (goal - onset), format!("{} = {lambda:.6}", along.free));
             if let Some(end) = homoclinic {
                 self.make_rows(counts);
-                return Ok(End::Homoclinic(format!(
-                    "the period grows without bound: a homoclinic orbit at {} = {} ± {:.0e}",
-                    along.free, end.lambda, end.error
+                return Ok(End::Recognised(format!(
+                    "the period grows without bound: a homoclinic orbit at {} = {}",
+                    along.free, end.lambda
                 )));
             }
             if let Some(stop) = step.stop {
@@ -196,6 +276,22 @@ impl Cycles<'_> {
                 return Ok(End::Stop(stop));
             }
         }
+    }
+
+    /// Whether the cycles shrink, within a step, to an equilibrium or to cycles of the kind that they come from.
+    fn vanished(&self, origin: &Origin, system: &Collocation, from: &Point, to: &Point) -> Option<String> {
+        let name = &self.task.along.free;
+        if let Some(value) = Amplitude::Swing.vanishes(system, from, to) {
+            return Some(format!("the cycles shrink to an equilibrium: a Hopf point near {name} = {value:.6}"));
+        }
+        let Origin::Cycle { stored, flip: true } = origin else { return None };
+        let identity = Reflection::identity(stored.orbit.dim);
+        let (symmetry, what) = match stored.orbit.parts {
+            2 => (self.prepared.problem.reflection()?, "symmetric cycles"),
+            _ => (identity, "cycles of half the period"),
+        };
+        let value = Amplitude::Halves(&symmetry).vanishes(system, from, to)?;
+        Some(format!("the cycles become {what} near {name} = {value:.6}"))
     }
 
     /// Test functions at the beginning of a step: those known from the end of the last one.

@@ -1,7 +1,7 @@
-//! Where a branch of cycles starts: at a Hopf point, or where other cycles double their period or branch.
+//! Where a branch of cycles starts: at a Hopf point, where other cycles double their period or branch, or at any cycle.
 
-use super::{Cycles, CyclesError};
-use crate::bifurcation::{Coordinate, Hopf, HopfNormalForm};
+use super::{Cycles, CyclesError, Way};
+use crate::bifurcation::{Coordinate, Hopf, HopfNormalForm, reverse};
 use crate::branch::{Row, SpecialPoint};
 use crate::continuation::{Border, Corrected, Counts, Point, StepControl, System, Walk, WalkState, correct, inner};
 use crate::orbit::bifurcations::{BranchPoint, Critical, CriticalCycle, Departure};
@@ -19,7 +19,7 @@ const FIRST_STEP: f64 = 0.02;
 const LARGEST_STEP: f64 = 0.05;
 const LEAST_STEP: f64 = 1e-7;
 /// Intervals where neither the scene nor the start says how many.
-const INTERVALS: usize = 20;
+pub const INTERVALS: usize = 20;
 
 /// What a branch starts from.
 pub enum Origin {
@@ -27,6 +27,8 @@ pub enum Origin {
     Hopf { hopf: Box<Hopf>, form: Box<HopfNormalForm>, reference: f64, span: f64 },
     /// nu = -1 (flip) or +1, at a cycle on the mesh of the new task.
     Cycle { stored: StoredCycle, flip: bool },
+    /// A cycle of a branch that goes on on both sides.
+    Amid { stored: StoredCycle },
 }
 
 impl Origin {
@@ -34,7 +36,7 @@ impl Origin {
     pub fn onset(&self, free: usize) -> f64 {
         match self {
             Origin::Hopf { hopf, .. } => hopf.p[free],
-            Origin::Cycle { stored, .. } => stored.p[free],
+            Origin::Cycle { stored, .. } | Origin::Amid { stored } => stored.p[free],
         }
     }
 }
@@ -67,6 +69,20 @@ impl Cycles<'_> {
             let intervals = self.task.intervals.map_or(stored.orbit.intervals(), |count| count.div_ceil(share));
             let stored = stored.remeshed(intervals, self.task.degree, self.points());
             return Ok(Origin::Cycle { stored, flip });
+        }
+        if from.arrays.contains_key("mesh") {
+            let stored = StoredCycle::read(self.prepared, from);
+            let stored = stored.ok_or_else(|| CyclesError::Incomplete(from.label.clone()))?;
+            inside(stored.p[self.prepared.free])?;
+            if stored.still() {
+                return Err(CyclesError::Still(from.label.clone()));
+            }
+            if !(stored.orbit.part > 0.0 && stored.orbit.part.is_finite()) {
+                return Err(CyclesError::Period(from.label.clone(), stored.orbit.part));
+            }
+            let intervals = self.task.intervals.unwrap_or(stored.orbit.intervals());
+            let stored = stored.remeshed(intervals, self.task.degree, self.points());
+            return Ok(Origin::Amid { stored });
         }
         let (hopf, form) = self.hopf(from)?;
         let onset = inside(hopf.p[self.prepared.free])?;
@@ -106,6 +122,11 @@ impl Cycles<'_> {
                     scale_lambda: *span,
                 })
             }
+            Origin::Amid { stored } => {
+                let range = &self.task.along.range;
+                let frame = stored.frame(self.prepared, range.to - range.from);
+                frame.ok_or_else(|| CyclesError::Incomplete(stored.label.clone()))
+            }
             Origin::Cycle { stored, flip } => {
                 let range = &self.task.along.range;
                 let frame = stored.frame(self.prepared, range.to - range.from);
@@ -120,29 +141,78 @@ impl Cycles<'_> {
     }
 
     /// The start as first row, the first cycle, and the walk from there.
-    pub fn start(&mut self, origin: &Origin, counts: &mut Counts) -> Result<(Collocation, WalkState), CyclesError> {
+    pub fn start(
+        &mut self,
+        origin: &Origin,
+        way: Way,
+        counts: &mut Counts,
+    ) -> Result<(Collocation, WalkState), CyclesError> {
         let (mut system, still, first) = match origin {
-            Origin::Hopf { .. } => self.from_hopf(origin, counts)?,
+            Origin::Amid { stored } => return self.amid(origin, stored, way, counts),
+            Origin::Hopf { .. } => self.born(origin, counts)?,
             Origin::Cycle { stored, flip } => {
-                let Departure { system, origin, corrected } = self.from_cycle(stored, *flip, counts)?;
+                let Departure { system, origin, corrected } = self.depart(stored, *flip, way, counts)?;
                 (system, origin, corrected)
             }
         };
-        let (orbit, symmetry) = (system.orbit(&still.x), system.frame.symmetry.clone());
-        let values = self.measure(&orbit, &symmetry, &system.parameters(still.lambda));
-        let mut row: Vec<Option<f64>> = vec![Some(still.lambda)];
-        row.extend(values.into_iter().map(Some));
-        row.resize(self.branch.columns.len(), None);
-        self.branch.rows.push(Row { label: None, stable: None, values: row });
+        // On the second of two ways the start is there already.
+        if self.branch.rows.is_empty() {
+            let (orbit, symmetry) = (system.orbit(&still.x), system.frame.symmetry.clone());
+            let values = self.measure(&orbit, &symmetry, &system.parameters(still.lambda));
+            let mut row: Vec<Option<f64>> = vec![Some(still.lambda)];
+            row.extend(values.into_iter().map(Some));
+            row.resize(self.branch.columns.len(), None);
+            self.branch.rows.push(Row { label: None, stable: None, values: row });
+        }
         self.push(&system, &first.point, &first.factors, None);
-        let span = system.frame.scale_lambda;
-        let most = self.task.along.max_step.map_or(LARGEST_STEP, |step| step / span);
-        let control = StepControl { step: FIRST_STEP.min(most), least: LEAST_STEP, most };
+        let control = self.control(&system);
         let state = Walk::new(&mut system, first.point, control, (0.0, 0.0)).state;
         Ok((system, state))
     }
 
-    fn from_hopf(
+    fn control(&self, system: &Collocation) -> StepControl {
+        let most = self.task.along.max_step.map_or(LARGEST_STEP, |step| step / system.frame.scale_lambda);
+        StepControl { step: FIRST_STEP.min(most), least: LEAST_STEP, most }
+    }
+
+    /// A stored cycle, solved for on the mesh of this task; it is the first row of the branch.
+    fn amid(
+        &mut self,
+        origin: &Origin,
+        stored: &StoredCycle,
+        way: Way,
+        counts: &mut Counts,
+    ) -> Result<(Collocation, WalkState), CyclesError> {
+        let mut system = Collocation::new(self.frame(origin)?, &stored.orbit);
+        let lambda = stored.p[self.prepared.free];
+        // Across the branch that it was found on, for it may be a fold; on another branch at its parameters.
+        let along = Collocation::unknowns(&stored.tangent);
+        let size = inner(&system, (&along, stored.tangent_lambda), (&along, stored.tangent_lambda)).sqrt();
+        let border = if stored.free == self.prepared.free && size > 0.0 {
+            let row = system.dual(&along).iter().map(|t| t / size).collect();
+            Border { row, lambda: system.dual_lambda() * stored.tangent_lambda / size }
+        } else {
+            Border { row: vec![0.0; along.len()], lambda: 1.0 }
+        };
+        let first = correct(&system, (Collocation::unknowns(&stored.orbit), lambda), &border, counts)?;
+        let Corrected { mut point, factors, .. } = first;
+        if StoredCycle::deviation(&system.orbit(&point.x)) < 1e-6 * system.frame.scale_state {
+            return Err(CyclesError::Still(stored.label.clone()));
+        }
+        if (way == Way::Down) != (point.tangent_lambda < 0.0) {
+            reverse(&mut point);
+        }
+        if self.branch.rows.is_empty() {
+            self.push(&system, &point, &factors, None);
+            self.make_rows(counts);
+        }
+        let control = self.control(&system);
+        let state = Walk::new(&mut system, point, control, (0.0, 0.0)).state;
+        Ok((system, state))
+    }
+
+    /// The first cycle near a Hopf point.
+    fn born(
         &self,
         origin: &Origin,
         counts: &mut Counts,
@@ -171,7 +241,13 @@ impl Cycles<'_> {
     }
 
     /// Solves for the bifurcation anew, on the mesh of this task, and leaves along the other branch.
-    fn from_cycle(&self, stored: &StoredCycle, flip: bool, counts: &mut Counts) -> Result<Departure, CyclesError> {
+    fn depart(
+        &self,
+        stored: &StoredCycle,
+        flip: bool,
+        way: Way,
+        counts: &mut Counts,
+    ) -> Result<Departure, CyclesError> {
         let range = &self.task.along.range;
         let extent = range.to - range.from;
         let frame = stored.frame(self.prepared, extent);
@@ -193,7 +269,11 @@ impl Cycles<'_> {
             tangent_lambda: stored.tangent_lambda,
         };
         let found = BranchPoint::solve(&system, &near, counts)?;
-        let other = found.other.ok_or_else(|| CyclesError::Touching(stored.label.clone()))?;
+        let mut other = found.other.ok_or_else(|| CyclesError::Touching(stored.label.clone()))?;
+        // Where the branch runs across the parameter, as at a broken symmetry, the sides are called so at will.
+        if (way == Way::Down) != (other.tangent_lambda < 0.0) {
+            reverse(&mut other);
+        }
         Ok(Departure::along(system, &other, FIRST_DISTANCE, counts)?)
     }
 }

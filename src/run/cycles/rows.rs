@@ -5,6 +5,7 @@ use super::super::outcome::labels;
 use super::super::study::Prepared;
 use super::super::wave;
 use super::Cycles;
+use super::quantities::{self, measure};
 use super::special::Special;
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Border, Counts, Factored, Point, System};
@@ -51,23 +52,8 @@ impl Pending {
 
 /// A branch without rows: its columns are what the task asks for.
 pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
-    let time = prepared.problem.time_unit();
-    let frequency = match time {
-        "" => String::new(),
-        "s" => "Hz".to_owned(),
-        unit => format!("1/{unit}"),
-    };
-    let mut columns = vec![
-        (prepared.free_name.clone(), prepared.free_unit.clone()),
-        ("period".to_owned(), time.to_owned()),
-        ("frequency".to_owned(), frequency),
-    ];
-    let list = prepared.problem.observables();
-    for &i in &prepared.observables {
-        for extreme in ["max", "min"] {
-            columns.push((format!("{extreme} {}", list[i].name), list[i].unit.to_owned()));
-        }
-    }
+    let mut columns = vec![(prepared.free_name.clone(), prepared.free_unit.clone())];
+    columns.extend(quantities::columns(prepared));
     let measured = columns.len();
     if task.multipliers > 0 {
         for k in 1..=task.multipliers.min(prepared.problem.dim() - 1) {
@@ -95,7 +81,7 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
 impl Cycles<'_> {
     /// Period, frequency, extremes: the columns after the parameter.
     pub fn measure(&self, orbit: &Orbit, symmetry: &Reflection, p: &[f64]) -> Vec<f64> {
-        measure(&*self.prepared.problem, &self.prepared.observables, orbit, symmetry, p)
+        measure(self.prepared, &*self.prepared.problem, orbit, symmetry, p)
     }
 
     /// Turns what is pending into rows and special points.
@@ -218,22 +204,6 @@ impl Cycles<'_> {
         factors.solve(&mut right);
         x.iter_mut().zip(&right).for_each(|(x, d)| *x -= d);
         let p = fine.parameters(lambda);
-        Some(measure(&*problem, &self.prepared.observables, &fine.orbit(&x), &symmetry, &p))
+        Some(measure(self.prepared, &*problem, &fine.orbit(&x), &symmetry, &p))
     }
-}
-
-/// Period, frequency, and the largest and smallest value of each observable.
-pub fn measure(
-    problem: &dyn Problem,
-    observables: &[usize],
-    orbit: &Orbit,
-    symmetry: &Reflection,
-    p: &[f64],
-) -> Vec<f64> {
-    let mut values = vec![orbit.period(), 1.0 / orbit.period()];
-    for &i in observables {
-        let extremes = orbit.extremes(problem, i, p, symmetry);
-        values.extend([extremes.max, extremes.min]);
-    }
-    values
 }

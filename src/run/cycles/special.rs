@@ -2,11 +2,12 @@
 
 use super::super::equilibria::error;
 use super::Cycles;
+use super::quantities::measure;
 use crate::branch::Kind;
-use crate::continuation::{Counts, Failure, Point};
+use crate::continuation::{Border, Counts, Point, correct};
 use crate::linalg::c64;
 use crate::orbit::bifurcations::{
-    BranchPoint, Critical, CriticalCycle, CycleNormalForm, Event, Located, Segment, Signs,
+    BranchPoint, Critical, CriticalCycle, CycleNormalForm, Event, Homoclinic, Located, Segment, Signs,
 };
 use crate::orbit::{Collocation, Frame, Orbit};
 use crate::problem::{Problem, Reflection};
@@ -46,16 +47,12 @@ impl Cycles<'_> {
     }
 
     /// All that happens in a step.
-    pub fn bifurcations(
-        &self,
-        segment: &Segment,
-        wanted: &[Event],
-        counts: &mut Counts,
-    ) -> Result<Vec<Between>, Failure> {
+    pub fn bifurcations(&self, segment: &Segment, wanted: &[Event], counts: &mut Counts) -> Vec<Between> {
         let [from, to] = segment.signs;
         let mut found = Vec::new();
         for event in from.events(to, wanted) {
-            let Some(located) = segment.locate(event, counts)? else { continue };
+            // A search that fails leaves a gap in what was found, not in the branch.
+            let Ok(Some(located)) = segment.locate(event, counts) else { continue };
             // Factors are for multipliers only; at a branch point they may be singular.
             let factors = located.corrected(segment, counts).ok().map(|corrected| corrected.factors.into());
             let special = self.describe(segment.system, &located, counts);
@@ -68,7 +65,7 @@ impl Cycles<'_> {
             };
             found.push(Between { fraction, point, factors, kind, special });
         }
-        Ok(found)
+        found
     }
 
     /// Normal form, angle, and errors from a finer discretisation on which the same point is solved for.
@@ -90,8 +87,9 @@ impl Cycles<'_> {
             }
         }
         if located.branch.is_some() && self.task.along.errors {
-            let fine = self.finer_branch_point(system, &located.point, counts);
-            if let Some((system, point)) = fine {
+            let fine = self.finer_point(system, &located.point);
+            let fine = fine.and_then(|(fine, near)| Some((BranchPoint::solve(&fine, &near, counts).ok()?.point, fine)));
+            if let Some((point, system)) = fine {
                 let columns = self.columns(&system, &system.orbit(&point.x), point.lambda);
                 let named = names.iter().map(|column| column.name.clone());
                 special.errors = named.zip(own.iter().zip(&columns).map(|(a, b)| error(*a, *b))).collect();
@@ -105,7 +103,7 @@ impl Cycles<'_> {
         let frame = &system.frame;
         let mut values = vec![lambda];
         let p = system.parameters(lambda);
-        values.extend(super::rows::measure(&*frame.problem, &self.prepared.observables, orbit, &frame.symmetry, &p));
+        values.extend(measure(self.prepared, &*frame.problem, orbit, &frame.symmetry, &p));
         values
     }
 
@@ -123,12 +121,9 @@ impl Cycles<'_> {
         Some((fine, solution))
     }
 
-    fn finer_branch_point(
-        &self,
-        system: &Collocation,
-        point: &Point,
-        counts: &mut Counts,
-    ) -> Option<(Collocation, Point)> {
+    /// A point of the branch on a finer discretisation, in space where there is one and in time by a degree more; not
+    /// yet a solution there.
+    fn finer_point(&self, system: &Collocation, point: &Point) -> Option<(Collocation, Point)> {
         let refinement = self.prepared.problem.refined();
         let mut frame = system.frame.clone();
         let finer = |x: &[f64]| {
@@ -141,11 +136,23 @@ impl Cycles<'_> {
             frame.problem = finer.problem.clone();
         }
         let (orbit, tangent) = (finer(&point.x), finer(&point.tangent));
-        let fine = Collocation::new(frame, &orbit);
-        let near =
-            Point { x: Collocation::unknowns(&orbit), tangent: Collocation::unknowns(&tangent), ..point.clone() };
-        let found = BranchPoint::solve(&fine, &near, counts).ok()?;
-        Some((fine, found.point))
+        let (x, tangent) = (Collocation::unknowns(&orbit), Collocation::unknowns(&tangent));
+        Some((Collocation::new(frame, &orbit), Point { x, tangent, ..point.clone() }))
+    }
+
+    /// The end at a homoclinic orbit. Its error is that of the extrapolation, and by how much lambda at the last period
+    /// differs on a finer discretisation.
+    pub fn end(&self, system: &Collocation, point: &Point, end: &Homoclinic, counts: &mut Counts) -> Special {
+        let finer = self.task.along.errors.then(|| self.finer_point(system, point)).flatten();
+        let moved = finer.and_then(|(fine, near)| {
+            let mut border = Border { row: vec![0.0; near.x.len()], lambda: 0.0 };
+            *border.row.last_mut()? = 1.0 / fine.frame.scale_part;
+            let found = correct(&fine, (near.x, near.lambda), &border, counts).ok()?.point;
+            Some((found.lambda - point.lambda).abs())
+        });
+        let values = vec![("homoclinic", end.lambda)];
+        let errors = moved.map(|moved| ("homoclinic".to_owned(), end.error.max(moved)));
+        Special { values, errors: errors.into_iter().collect(), cosine: None }
     }
 
     /// Test functions at a point of the walk; None where they do not exist or nothing is wanted.

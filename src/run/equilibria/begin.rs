@@ -22,23 +22,56 @@ pub enum BeginError {
     NoTangent(String, String, Failure),
 }
 
+/// Where a branch comes from.
+#[derive(Clone, Copy)]
+pub enum Origin<'a> {
+    /// The state that the task gives, or the model's start.
+    Model,
+    /// Near a state at a value of the free parameter.
+    State(&'a [f64], f64),
+    /// A stored point.
+    Point(&'a SpecialPoint),
+}
+
 /// The system and its first point, with the sign of the bordered determinant there where it is known.
 pub fn begin(
     prepared: &Prepared,
     task: &scene::Equilibria,
-    from: Option<&SpecialPoint>,
+    origin: Origin,
     counts: &mut Counts,
 ) -> Result<(Equilibria, (Point, Option<f64>)), BeginError> {
-    match from {
-        Some(from) => stored(prepared, task, from, counts),
-        None => fresh(prepared, task, counts),
+    let begin = task.start.unwrap_or(task.along.range.from);
+    match (origin, &task.guess) {
+        (Origin::Point(from), _) => stored(prepared, task, from, counts),
+        (Origin::State(u, free), _) => fresh(prepared, task, (Some(u.to_vec()), free), counts),
+        (Origin::Model, Some(guess)) => {
+            let (u, free) = guessed(prepared, guess, begin);
+            fresh(prepared, task, (Some(u), free), counts)
+        }
+        (Origin::Model, None) => fresh(prepared, task, (None, begin), counts),
     }
 }
 
-/// From the model's start at the lower end of the range unless the scene says otherwise.
+/// The state that a scene describes: the model's start but for what is given; and the free parameter there.
+pub fn guessed(prepared: &Prepared, guess: &scene::Guess, free: f64) -> (Vec<f64>, f64) {
+    let free = guess.free(&prepared.free_name).unwrap_or(free);
+    let mut p = prepared.p.clone();
+    p[prepared.free] = free;
+    let mut u = prepared.problem.start(&p);
+    let names = prepared.problem.unknowns();
+    for (name, value, _) in &guess.values {
+        if let Some(i) = names.iter().position(|known| known == name) {
+            u[i] = *value;
+        }
+    }
+    (u, free)
+}
+
+/// From a state at a value of the free parameter.
 fn fresh(
     prepared: &Prepared,
     task: &scene::Equilibria,
+    (state, begin): (Option<Vec<f64>>, f64),
     counts: &mut Counts,
 ) -> Result<(Equilibria, (Point, Option<f64>)), BeginError> {
     let along = &task.along;
@@ -46,8 +79,8 @@ fn fresh(
     let mut coordinate = Coordinate { index: prepared.free, logarithmic, width: 1.0 };
     coordinate.width = coordinate.of(along.range.to) - coordinate.of(along.range.from);
     let mut system = system(prepared, prepared.p.clone(), coordinate);
-    let begin = coordinate.of(task.start.unwrap_or(along.range.from));
-    let u = prepared.problem.start(&system.parameters(begin));
+    let begin = coordinate.of(begin);
+    let u = state.unwrap_or_else(|| prepared.problem.start(&system.parameters(begin)));
     system.scale_state = scale(&u);
     let border = Border { row: vec![0.0; u.len()], lambda: 1.0 };
     let first = correct(&system, (u, begin), &border, counts)?;
@@ -70,7 +103,9 @@ fn stored(
     let coordinate = coordinate(prepared, &task.along, (prepared.free, Some(&task.along.range)), &p)?;
     let lambda = coordinate.of(p[prepared.free]);
     let mut system = system(prepared, p, coordinate);
-    system.scale_state = scale(&u);
+    // A state that is zero but for rounding says nothing of the scale.
+    let known = from.arrays.get("scale").and_then(|array| array.data.first()).copied();
+    system.scale_state = known.map_or(scale(&u), |known| known.max(rms(&u)));
     if from.kind == Kind::BP && from.arrays.get("free").is_some_and(|free| free.data == [prepared.free as f64]) {
         let other =
             &from.arrays.get("other_tangent").filter(|array| array.data.len() == n + 1).ok_or_else(incomplete)?;
@@ -121,8 +156,12 @@ fn system(prepared: &Prepared, p: Vec<f64>, coordinate: Coordinate) -> Equilibri
     Equilibria { problem: prepared.problem.clone(), p, coordinate, scale_state: 1.0 }
 }
 
-/// The root mean square of a state, or one where it is zero.
+/// The root mean square of a state, or one where it is zero up to rounding: a branch point at zero is stored as 1e-18.
 fn scale(u: &[f64]) -> f64 {
-    let rms = (u.iter().map(|u| u * u).sum::<f64>() / u.len() as f64).sqrt();
-    if rms > 0.0 { rms } else { 1.0 }
+    let rms = rms(u);
+    if rms > f64::EPSILON { rms } else { 1.0 }
+}
+
+fn rms(u: &[f64]) -> f64 {
+    (u.iter().map(|u| u * u).sum::<f64>() / u.len() as f64).sqrt()
 }

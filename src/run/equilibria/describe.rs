@@ -33,6 +33,7 @@ pub fn describe(
     arrays.insert("state".to_owned(), vector(sample.point.x.clone()));
     arrays.insert("parameters".to_owned(), vector(p));
     arrays.insert("tangent".to_owned(), vector(sample.point.tangent.clone()));
+    arrays.insert("scale".to_owned(), vector(vec![system.scale_state]));
     let mode = match &sample.mark {
         Some(Mark::Hopf(found)) => {
             special.values.extend(of_hopf(&found.0, &found.1));

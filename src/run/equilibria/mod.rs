@@ -11,16 +11,17 @@ use super::watch::Watch;
 use super::wave;
 use crate::bifurcation::{Equilibria, Mark, Sample, Spectra, branch_points, folds, leading};
 use crate::branch::{Branch, BranchKind, Column, Kind, Row, SpecialPoint};
-use crate::continuation::{Counts, Stop};
+use crate::continuation::{Counts, Point, Stop};
 use crate::linalg::{c64, growth};
 use crate::problem::Problem;
 use crate::scene;
 use begin::{BeginError, begin};
+pub use begin::{Origin, guessed};
 use describe::{describe, estimate, observe};
 use rayon::prelude::*;
 use std::time::Instant;
 use values::user_values;
-use walk::{Walked, walk};
+use walk::{Walked, Wanted, walk};
 
 pub use describe::error;
 
@@ -28,17 +29,11 @@ pub use describe::error;
 pub const VALUES: [&str; 9] = ["omega", "frequency", "lyapunov", "growth", "lp_a", "lp_b", "bp_b", "bp_c", "bp_d"];
 
 /// Runs the task; numerical trouble ends up in the outcome's status and reason.
-pub fn run(
-    prepared: &Prepared,
-    name: &str,
-    task: &scene::Equilibria,
-    from: Option<&SpecialPoint>,
-    watch: &Watch,
-) -> Outcome {
+pub fn run(prepared: &Prepared, name: &str, task: &scene::Equilibria, origin: Origin, watch: &Watch) -> Outcome {
     let start = Instant::now();
     let branch = empty(name, task);
     let mut counts = Counts::default();
-    let mut outcome = match follow(prepared, branch.clone(), task, from, watch, &mut counts) {
+    let mut outcome = match follow(prepared, branch.clone(), task, origin, watch, &mut counts) {
         Ok(outcome) => outcome,
         Err(failure) => Outcome::failed(branch, failure.to_string()),
     };
@@ -64,14 +59,18 @@ fn follow(
     prepared: &Prepared,
     mut branch: Branch,
     task: &scene::Equilibria,
-    from: Option<&SpecialPoint>,
+    origin: Origin,
     watch: &Watch,
     counts: &mut Counts,
 ) -> Result<Outcome, BeginError> {
     let along = &task.along;
     let detects = |kind: &str| task.detect.iter().any(|known| known == kind);
-    let (mut system, first) = begin(prepared, task, from, counts)?;
-    let Walked { points, signs, back, stop } = walk(&mut system, first, (along, detects("BP")), watch, counts);
+    let (mut system, first) = begin(prepared, task, origin, counts)?;
+    let bounds = bounds(prepared, task);
+    let still = system.clone();
+    let inside = |point: &Point| bounds.iter().all(|&(i, low, high)| (low..=high).contains(&observe(&still, point, i)));
+    let wanted = Wanted { along, signed: detects("BP"), inside: &inside };
+    let Walked { points, signs, back, stop } = walk(&mut system, first, wanted, watch, counts);
     let mut samples: Vec<Sample> = points.into_iter().map(|point| Sample::new(point, None)).collect();
     let mark = |stop: &Stop| Some(if matches!(stop, Stop::Stagnation { .. }) { Mark::Stuck } else { Mark::End });
     if let Some(last) = samples.last_mut() {
@@ -127,9 +126,18 @@ fn follow(
     let status = match stop {
         Stop::Interrupted => Status::Interrupted,
         Stop::Stagnation { .. } => Status::Failed,
-        Stop::RangeEnd | Stop::Closed | Stop::MaxPoints => Status::Done,
+        Stop::RangeEnd | Stop::BoxEnd | Stop::Closed | Stop::MaxPoints => Status::Done,
     };
     Ok(Outcome { branch, status, reason: stop.to_string(), seconds: 0.0, counts: *counts })
+}
+
+/// Observables with the bounds in which the branch is followed.
+fn bounds(prepared: &Prepared, task: &scene::Equilibria) -> Vec<(usize, f64, f64)> {
+    let list = prepared.problem.observables();
+    let of = |(name, range): &(String, scene::Range)| {
+        list.iter().position(|o| o.name == name).map(|i| (i, range.from, range.to))
+    };
+    task.bounds.iter().filter_map(of).collect()
 }
 
 /// The name under which a mark is stored.

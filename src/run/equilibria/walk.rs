@@ -16,6 +16,15 @@ pub struct Walked {
     pub stop: Stop,
 }
 
+/// What of a branch is wanted.
+pub struct Wanted<'a> {
+    pub along: &'a scene::Along,
+    /// The determinants' signs.
+    pub signed: bool,
+    /// Only points for which this holds are gone on from.
+    pub inside: &'a dyn Fn(&Point) -> bool,
+}
+
 /// Largest step in parts of the range.
 const LARGEST_STEP: f64 = 0.02;
 
@@ -23,14 +32,17 @@ const LARGEST_STEP: f64 = 0.02;
 pub fn walk(
     system: &mut Equilibria,
     (first, sign): (Point, Option<f64>),
-    (along, signed): (&scene::Along, bool),
+    Wanted { along, signed, inside }: Wanted,
     watch: &Watch,
     counts: &mut Counts,
 ) -> Walked {
     let coordinate = system.coordinate;
     let (from, to) = (coordinate.of(along.range.from), coordinate.of(along.range.to));
     let most = along.max_step.map_or(LARGEST_STEP, |step| step / (to - from).abs());
+    let scale = system.scale_state;
+    let mut largest = scale;
     let mut way = |start: Point, room: usize| {
+        system.scale_state = scale;
         let control = StepControl { step: 0.25 * most, least: 1e-9 * most, most };
         let mut found = Vec::new();
         let mut walk = Walk::new(&mut *system, start, control, (from, to));
@@ -50,11 +62,15 @@ pub fn walk(
                     if let Some(stop) = step.stop {
                         break stop;
                     }
+                    if found.last().is_some_and(|(point, _)| !inside(point)) {
+                        break Stop::BoxEnd;
+                    }
                 }
                 Err(stop) => break stop,
             }
         };
         *counts += walk.counts;
+        largest = largest.max(system.scale_state);
         (found, stop)
     };
     let slack = 1e-12 * (to - from);
@@ -85,6 +101,9 @@ pub fn walk(
     } else {
         back.take().unwrap_or(Stop::RangeEnd)
     };
-    let (points, signs) = all.into_iter().unzip();
+    let (mut points, signs): (Vec<Point>, Vec<Option<f64>>) = all.into_iter().unzip();
+    // The scale may have grown on the way.
+    system.scale_state = largest;
+    points.iter_mut().for_each(|point| system.normalise(point));
     Walked { points, signs, back, stop }
 }
