@@ -72,7 +72,7 @@ fn widest(offsets: &[Vec<f64>], other: Option<&[f64]>) -> Option<Vec<f64>> {
     let mut direction = longest;
     for _ in 0..100 {
         let length = norm(&direction);
-        if !(length > 0.0) {
+        if length.is_nan() || length <= 0.0 {
             return None;
         }
         direction.iter_mut().for_each(|x| *x /= length);

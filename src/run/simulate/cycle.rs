@@ -65,6 +65,7 @@ impl Simulation<'_> {
                 point.errors.insert(name, *error);
             }
         }
+        point.values.insert("t".to_owned(), cycle.time);
         let frequency = 1.0 / cycle.period;
         point.values.insert("frequency".to_owned(), frequency);
         if let Some(error) = point.errors.get("period").copied() {

@@ -133,7 +133,7 @@ impl Simulation<'_> {
                 _ => leading(problem, &u, &p).ok_or(TaskError::Mode)?,
             };
             let largest = mode.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-            if !(largest > 0.0) {
+            if largest.is_nan() || largest <= 0.0 {
                 return Err(TaskError::Mode);
             }
             u.iter_mut().zip(&mode).for_each(|(u, q)| *u += amplitude * q / largest);
