@@ -116,7 +116,11 @@ pub fn check_equilibrium(scene: &Scene, from: &str, at: &Place) -> Result<(), Sc
 pub fn is_cycle(scene: &Scene, from: &str) -> bool {
     let of_cycles = |label: Label| {
         let task = owner(&scene.tasks, label.task);
-        task.is_some_and(|task| matches!(task.kind, TaskKind::Cycles(_)))
+        match task.map(|task| &task.kind) {
+            Some(TaskKind::Cycles(_)) => true,
+            Some(TaskKind::Simulate(_)) => label.kind == "LC",
+            _ => false,
+        }
     };
     scene::is_file(from) || Label::parse(from).is_some_and(of_cycles)
 }

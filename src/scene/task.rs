@@ -2,11 +2,12 @@
 
 use super::entry::{Entry, Section};
 use super::label::{self, Announced};
+use super::simulate;
 use super::tree::Content;
 use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, diagram, map, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 11] = [
+pub const TASK_KINDS: [&str; 12] = [
     "equilibria",
     "diagram",
     "cycles",
@@ -18,6 +19,7 @@ pub const TASK_KINDS: [&str; 11] = [
     "hopf-surface",
     "calibration",
     "map",
+    "simulate",
 ];
 
 const COMMON: [&str; 9] =
@@ -42,7 +44,15 @@ pub(super) fn read(
     // A misspelt "kind" is to be named as such, so first the keys that no kind knows.
     section.allow(
         "key",
-        &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts", "grid", "tolerance"], &diagram::KEYS].concat(),
+        &[
+            &COMMON[..],
+            &EQUILIBRIA,
+            &CYCLES,
+            &["targets", "starts", "grid", "tolerance"],
+            &diagram::KEYS,
+            &simulate::OWN,
+        ]
+        .concat(),
     )?;
     let kinds = TASK_KINDS.map(|kind| format!("{kind:?}")).join(" or ");
     let kind = section.need("kind", &format!("kind = {kinds}"))?;
@@ -85,6 +95,10 @@ pub(super) fn read(
         "calibration" => {
             section.allow("key of a calibration task", &CALIBRATION)?;
             TaskKind::Calibration(calibration::read(section, read, announced)?)
+        }
+        "simulate" => {
+            section.allow("key of a simulate task", &simulate::KEYS)?;
+            TaskKind::Simulate(simulate::read(section, read, announced)?)
         }
         "map" => {
             section.allow("key of a map task", &MAP)?;
