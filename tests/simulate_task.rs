@@ -41,6 +41,7 @@ fn the_scene_meets_its_expectations_and_stores_a_cycle() {
         dim: 2,
         part: array("part")[0],
         parts: array("degree_parts")[1] as usize,
+        drift: Vec::new(),
     };
     assert_eq!(orbit.nodes.len(), 2 * (orbit.intervals() * orbit.degree + 1));
     let scheme = orbit.scheme();
