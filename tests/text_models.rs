@@ -151,7 +151,7 @@ fn errors_point_at_line_and_column() {
         (
             "\"sum(u[i], i = 1..N)/N\"",
             "\"sum(u[i], i = 1..M)/N\"",
-            "chain.toml:18:24: model.observables.mean: \"M\" is not a whole number",
+            "chain.toml:18:26: model.observables.mean: \"M\" is not a whole number",
         ),
         ("D = { value = 2,", "D = { value = -2,", "chain.toml:13: model.parameters.D: -2: must be >= 0"),
         ("N = 20", "N = 20.5", "chain.toml:12: model.N: must be a whole number"),

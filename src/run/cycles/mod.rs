@@ -285,7 +285,7 @@ impl Cycles<'_> {
             if let Some(end) = homoclinic {
                 self.make_rows(counts);
                 return Ok(End::Recognised(format!(
-                    "the period grows without bound: a homoclinic orbit at {} = {}",
+                    "the period grows without bound: there is a homoclinic or heteroclinic orbit at {} = {}",
                     along.free, end.lambda
                 )));
             }
