@@ -3,7 +3,7 @@
 //! A rotating wave `exp(t sum_k c_k Gamma_k) u_0` rests in the frame that turns with it. What becomes of a perturbation
 //! there has constant coefficients, `(G_u + sum_k c_k G_v Gamma_k + sigma G_v) q = 0`; where a pair sigma = ± i Omega
 //! crosses the axis - as a cycle the wave then has multipliers `exp(±i Omega T)`, a torus bifurcation - modulated waves
-//! branch off (Rand 1982, doi:10.1007/BF00251248),
+//! branch off (Rand 1982, Arch. Rational Mech. Anal. 79:1),
 //!
 //! ```text
 //! u(tau) = u_0 + 2 r Re(q exp(2 pi i tau)) + O(r²),      P = 2 pi / Omega.

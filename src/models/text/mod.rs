@@ -8,7 +8,7 @@
 //! u[0] = A                                            a value beyond its end
 //! ```
 //!
-//! The text becomes a graph without repetitions ([`graph`]), the graph a tape ([`tape`]), and the tape is a
+//! The text becomes a graph without repetitions (`graph`), the graph a tape (`tape`), and the tape is a
 //! [`Formula`](crate::problem::Formula): derivatives of all orders are exact.
 
 mod build;
