@@ -17,6 +17,8 @@ use crate::linalg::finite;
 /// Steps that shrink less than this tell that the factors are of no use here; the first two need not shrink, for the
 /// hyperplane and other rows of the factors' system may differ from those of the present one.
 const SLOWEST: f64 = 0.5;
+/// A rate of convergence is not relied on beyond this: superlinear steps are not as regular as linear ones.
+const FASTEST: f64 = 0.1;
 const MOST_STEPS: usize = 12;
 
 /// A solution on the hyperplane of the factors' own border through the start.
@@ -67,7 +69,8 @@ pub fn settle<S: System>(
         let rate = sizes.last().map_or(0.0, |last: &f64| (size / last).sqrt());
         let length = size.sqrt();
         // As in the corrector: a linear rate would leave this, and nothing is known of it after one step.
-        let left = if count > 1 { length * rate / (1.0 - rate) } else { length };
+        let sure = rate.max(FASTEST);
+        let left = if count > 1 { length * sure / (1.0 - sure) } else { length };
         if rate < SLOWEST && left < TOLERANCE {
             let difference: Vec<f64> = x.iter().zip(&start.0).map(|(a, b)| a - b).collect();
             let moved = (&difference[..], lambda - start.1);

@@ -114,7 +114,8 @@ mod tests {
         let of = |points: &[Vec<f64>]| Ring::of(&points.iter().map(Vec::as_slice).collect::<Vec<_>>(), 1e-6);
         let ring = of(&turned(|_| 2.0)).expect("a ring");
         let rotation = ring.rotation.min(1.0 - ring.rotation);
-        assert!((rotation - 0.381_966).abs() < 1e-9 && ring.deviation < 1e-2, "{ring:?}");
+        // The mean of a hundred points is off the centre by a part of a hundred, and so are the first and last angles.
+        assert!((rotation - 0.381_966).abs() < 2.0 * 1e-2 / TAU / 99.0 && ring.deviation < 1e-2, "{ring:?}");
         assert_eq!(of(&turned(|k| 0.97_f64.powi(k as i32))), None);
         assert_eq!(of(&turned(|k| 1.0 + 0.5 * (k as f64 * 7.3).sin())), None);
         assert_eq!(of(&turned(|_| 1e-8)), None);
