@@ -40,6 +40,7 @@ pub fn build(scene: &Scene, model: &ModelText) -> Result<Arc<Text>, SceneError> 
                 meaning: observable.meaning.clone(),
             })
             .collect(),
+        conserved: model.conserved.iter().map(|(name, words)| (name.clone(), words.text.clone())).collect(),
         symmetry: model.symmetry.as_ref().map(|words| words.text.clone()),
         time_unit: model.time_unit.clone(),
         reserved: reserved().into_iter().map(str::to_owned).collect(),
@@ -61,13 +62,17 @@ pub fn refuse(scene: &Scene, model: &ModelText, error: TextError) -> SceneError 
                 TextValue::Tie(words) => in_words(words),
                 TextValue::Number(_) => (parameter.at.clone(), None),
             },
-            None => nowhere,
+            None => (model.conserved.iter().find(|(known, _)| known == name))
+                .map_or(nowhere, |(_, words)| (words.at.clone(), None)),
         },
         Part::Start(name) => {
             model.start.iter().find(|(known, _)| known == name).map_or(nowhere, |(_, words)| in_words(words))
         }
         Part::Observable(name) => (model.observables.iter().find(|observable| observable.name == *name))
             .map_or(nowhere, |observable| in_words(&observable.expression)),
+        Part::Conserved(name) => {
+            model.conserved.iter().find(|(known, _)| known == name).map_or(nowhere, |(_, words)| in_words(words))
+        }
         Part::Symmetry => model.symmetry.as_ref().map_or(nowhere, in_words),
     };
     scene.fault(&at, Fault::Text { position, message: error.wrong.message })

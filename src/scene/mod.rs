@@ -91,6 +91,8 @@ pub struct ModelText {
     pub parameters: Vec<TextParameter>,
     pub start: Vec<(String, Words)>,
     pub observables: Vec<TextObservable>,
+    /// Expressions that the flow keeps, by the parameter that is their value.
+    pub conserved: Vec<(String, Words)>,
     pub symmetry: Option<Words>,
     pub time_unit: String,
 }

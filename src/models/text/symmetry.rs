@@ -124,13 +124,16 @@ fn unknown(text: &Text, name: &str) -> String {
     }
 }
 
+/// Numbers in (0.2, 0.8) without pattern.
+pub(super) fn scattered(seed: usize, count: usize) -> Vec<f64> {
+    let wave = |k: usize| 0.5 + 0.3 * (1.0 + 2.4 * k as f64 + 0.7 * (k as f64).sqrt()).sin();
+    (0..count).map(|i| wave(seed + 3 * i)).collect()
+}
+
 /// The equations at the image of a point must be, up to signs, the image of the equations at the point.
 fn check(text: &Text, reflection: &Reflection) -> Result<(), Wrong> {
     let (n, m) = (text.names.len(), text.parameters.len());
-    // Numbers in (0.2, 0.8) without pattern.
-    let wave = |k: usize| 0.5 + 0.3 * (1.0 + 2.4 * k as f64 + 0.7 * (k as f64).sqrt()).sin();
-    let numbers = |seed: usize, count: usize| -> Vec<f64> { (0..count).map(|i| wave(seed + 3 * i)).collect() };
-    let (u, v, p) = (numbers(0, n), numbers(1000, n), numbers(5000, m));
+    let (u, v, p) = (scattered(0, n), scattered(1000, n), scattered(5000, m));
     let (mut image_u, mut image_v) = (vec![0.0; n], vec![0.0; n]);
     reflection.apply(&u, &mut image_u);
     reflection.apply(&v, &mut image_v);
