@@ -8,8 +8,7 @@ use super::{
 };
 
 /// What a model as text may hold; every other key is the name of a whole number.
-const TEXT_KEYS: [&str; 7] =
-    ["equations", "parameters", "start", "observables", "conserved", "symmetry", "time_unit"];
+const TEXT_KEYS: [&str; 7] = ["equations", "parameters", "start", "observables", "conserved", "symmetry", "time_unit"];
 
 pub(super) fn read(root: &Section<'_>) -> Result<ModelChoice, SceneError> {
     let Some(entry) = root.get("model") else {

@@ -163,7 +163,8 @@ fn places(mut gradients: Vec<Vec<f64>>, read: &[(Quantity, Row)]) -> Result<Vec<
         let left = size(&rest[0]);
         let place = rest[0].iter().position(|x| x.abs() == left).filter(|_| left > TOLERANCE * before);
         let Some(place) = place else {
-            let message = "follows from the other conserved quantities, or from none of the unknowns; remove it".to_owned();
+            let message =
+                "follows from the other conserved quantities, or from none of the unknowns; remove it".to_owned();
             let part = Part::Conserved(quantity.name.clone());
             return Err(TextError { part, wrong: Wrong { offset: None, message } });
         };
@@ -184,7 +185,8 @@ pub(super) fn begin(text: &mut Text, unknowns: &[u32], quantities: &[Quantity]) 
         Tape::new(&text.graph, unknowns, open.len(), &[quantity.id]).evaluate(&u, &rest, &open, &mut value);
         if !value[0].is_finite() {
             let name = &quantity.name;
-            let message = format!("its value at the start depends on parameters; give it: [model.parameters] {name} = ...");
+            let message =
+                format!("its value at the start depends on parameters; give it: [model.parameters] {name} = ...");
             return Err(TextError { part: Part::Conserved(name.clone()), wrong: Wrong { offset: None, message } });
         }
         text.parameters[quantity.parameter].default = Default::Value(value[0]);
