@@ -25,7 +25,7 @@ mod zero_hopf;
 
 pub use bautin::Bautin;
 pub use bogdanov_takens::BogdanovTakens;
-pub use branch_point::{BranchError, BranchForm, BranchPoint, Scales, Tangent};
+pub use branch_point::{BranchCurve, BranchError, BranchForm, BranchPoint, Scales, Tangent};
 pub use branches::{Ambiguous, Followed, follow, settle};
 pub use calibration::{Analysis, Calibration, Fit, FitError, Lost, Place, Quantity, Target, Unknown};
 pub use coordinate::Coordinate;

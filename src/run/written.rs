@@ -1,6 +1,6 @@
 //! A scene's model as text: from the words of the scene to the model, and from the model's errors to their places.
 
-use super::{equilibria, fold_curve, hopf_curve};
+use super::{branch_curve, equilibria, fold_curve, hopf_curve};
 use crate::models::text::{self, Part, Text, TextError, Written, WrittenDefault, WrittenObservable, WrittenParameter};
 use crate::scene::{Fault, ModelText, Place, Scene, SceneError, TextValue, Words};
 use std::sync::Arc;
@@ -10,7 +10,7 @@ const COLUMNS: [&str; 8] = ["omega", "frequency", "lyapunov", "growth", "period"
 
 /// All names that results have and models must not.
 pub fn reserved() -> Vec<&'static str> {
-    let lists = [&COLUMNS[..], &equilibria::VALUES, &hopf_curve::VALUES, &fold_curve::VALUES];
+    let lists = [&COLUMNS[..], &equilibria::VALUES, &hopf_curve::VALUES, &fold_curve::VALUES, &branch_curve::VALUES];
     lists.into_iter().flatten().copied().collect()
 }
 

@@ -193,6 +193,7 @@ pub enum TaskKind {
     Cycles(Cycles),
     HopfCurve(Curve),
     FoldCurve(Curve),
+    BranchPointCurve(Curve),
     LpcCurve(Curve),
     PdCurve(Curve),
     NsCurve(Curve),
@@ -218,6 +219,7 @@ impl TaskKind {
             TaskKind::Cycles(_) => "cycles",
             TaskKind::HopfCurve(_) => "hopf-curve",
             TaskKind::FoldCurve(_) => "fold-curve",
+            TaskKind::BranchPointCurve(_) => "branch-point-curve",
             TaskKind::LpcCurve(_) => "lpc-curve",
             TaskKind::PdCurve(_) => "pd-curve",
             TaskKind::NsCurve(_) => "ns-curve",
@@ -232,7 +234,7 @@ impl TaskKind {
             TaskKind::Equilibria(task) => &task.along,
             TaskKind::Diagram(task) => &task.equilibria.along,
             TaskKind::Cycles(task) => &task.along,
-            TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => &task.along,
+            TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) | TaskKind::BranchPointCurve(task) => &task.along,
             TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => &task.along,
             TaskKind::Calibration(task) => &task.along,
             TaskKind::Map(task) => &task.along,
@@ -246,7 +248,9 @@ impl TaskKind {
             TaskKind::Equilibria(task) => task.from.as_ref().map(|(from, at)| (from.as_str(), at)),
             TaskKind::Map(_) | TaskKind::Diagram(_) => None,
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
-            TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => Some((&task.from, &task.from_at)),
+            TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) | TaskKind::BranchPointCurve(task) => {
+                Some((&task.from, &task.from_at))
+            }
             TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => {
                 Some((&task.from, &task.from_at))
             }
@@ -368,7 +372,7 @@ impl Cycles {
     }
 }
 
-/// `kind = "hopf-curve"`, `"fold-curve"`, `"lpc-curve"`, `"pd-curve"` or `"ns-curve"`.
+/// `kind = "hopf-curve"`, `"fold-curve"`, `"branch-point-curve"`, `"lpc-curve"`, `"pd-curve"` or `"ns-curve"`.
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// Two parameters; only the second must have a range.
