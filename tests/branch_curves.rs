@@ -22,7 +22,9 @@ fn study(text: &str, columns: [&str; 3]) -> Result<(Summary, Vec<[f64; 3]>), Str
 
 fn rows(folder: &Path, summary: &Summary, columns: [&str; 3]) -> Vec<[f64; 3]> {
     let name = &summary.tasks.last().unwrap().name;
-    let branch = read_branch(&folder.join(format!("study/branches/{name}.csv")), name, BranchKind::BranchPointCurve, &[]).unwrap();
+    let branch =
+        read_branch(&folder.join(format!("study/branches/{name}.csv")), name, BranchKind::BranchPointCurve, &[])
+            .unwrap();
     let at = columns.map(|name| branch.columns.iter().position(|column| column.name == name).unwrap());
     branch.rows.iter().map(|row| at.map(|i| row.values[i].unwrap())).collect()
 }

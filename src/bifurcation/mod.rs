@@ -40,5 +40,5 @@ pub use hopf_curve::{HopfCurve, Segment, Test, reverse};
 pub use hopf_surface::HopfSurface;
 pub use leading::{Leading, LeadingFailure, Line};
 pub use normal_form::HopfNormalForm;
-pub use spectra::{Mark, Sample, Spectra, leading};
+pub use spectra::{Mark, Reach, Sample, Spectra, leading};
 pub use zero_hopf::ZeroHopf;
