@@ -146,3 +146,28 @@ range = { q = [-1, 1], mu = [-1, 1] }
     refused(&text.replace("perfect/BP1", "perfect/EP1"), "the start must be a branch point");
     refused(&text.replace("detect = [\"BP\"]", ""), "BP");
 }
+
+/// Without damping zero is a double eigenvalue: `x'' = p x - 2 x^3`.
+#[test]
+fn a_double_zero_has_a_normal_form() {
+    let text = r#"
+[model]
+equations = """
+x' = 3*y
+y' = (p*x - 2*x^3)/3
+"""
+[model.parameters]
+p = -1
+[[task]]
+name = "straight"
+kind = "equilibria"
+free = "p"
+range = [-1, 1]
+detect = ["BP"]
+observables = ["x"]
+"#;
+    let (summary, _) = study(text, ["p", "x", "x"]).unwrap();
+    let point = summary.points.iter().find(|point| point.label == "straight/BP1").unwrap();
+    let (b, d) = (point.values["bp_b"], point.values["bp_d"]);
+    assert!((b - 1.0).abs() < 1e-12 && (d + 2.0).abs() < 1e-12, "{b} {d}");
+}
