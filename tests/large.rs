@@ -160,17 +160,14 @@ fn eigenvalues_nearest_to_a_point() {
     assert!(leading(&gu, &gv, 10.0, 8).unwrap().bound.unwrap() < 1e-9);
 }
 
-/// A wave that goes round: eigenvalues -1 + 2 i c cos(k h), more along the axis than a few discs hold, and M with a row that
-/// forbids a bound.
+/// Waves without damping: eigenvalues 100 i cos(k h), more along the axis than a few discs hold. A row of M without an entry
+/// leaves them without a bound.
 #[test]
 fn an_axis_that_is_not_covered_is_not_said_to_be() {
     let n = 400;
     let mut a = faer::Mat::<f64>::zeros(n, n);
-    for i in 0..n {
-        a[(i, i)] = 1.0;
-        if i > 0 {
-            (a[(i, i - 1)], a[(i - 1, i)]) = (-50.0, 50.0);
-        }
+    for i in 1..n {
+        (a[(i, i - 1)], a[(i - 1, i)]) = (-50.0, 50.0);
     }
     let a = Matrix::Dense(a);
     let mut m = faer::Mat::<f64>::identity(n, n);
@@ -179,10 +176,10 @@ fn an_axis_that_is_not_covered_is_not_said_to_be() {
     assert!(!found.complete() && found.covered < 100.0, "{}", found.covered);
     // What is said to be covered is found.
     let exact = (1..=n).map(|k| 100.0 * (PI * k as f64 / (n + 1) as f64).cos()).filter(|z| z.abs() < found.covered);
-    for z in exact {
-        let off = found.pairs.iter().map(|pair| (pair.value - c64::new(-1.0, z)).norm()).fold(f64::INFINITY, f64::min);
-        assert!((-1.0_f64).hypot(z) > found.covered || off < 1e-9, "{z} {off}");
-    }
+    let off =
+        |z: f64| found.pairs.iter().map(|pair| (pair.value - c64::new(0.0, z)).norm()).fold(f64::INFINITY, f64::min);
+    let all: Vec<f64> = exact.map(off).collect();
+    assert!(all.len() >= 8 && all.iter().all(|off| *off < 1e-9), "{all:?}");
     m[(0, 0)] = 0.0;
     let found = leading(&a, &Matrix::Dense(m), 1.0, 8).unwrap();
     assert!(found.bound.is_none() && !found.complete());
