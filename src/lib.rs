@@ -15,6 +15,7 @@
 //! | [`continuation`] | predictor, corrector, step control, points between points; surfaces by charts | `continuation::Walk` |
 //! | [`bifurcation`] | equilibria as curves and over grids, eigenvalue branches, Hopf points and folds, their curves and surfaces, normal forms, calibration | `bifurcation::Hopf` |
 //! | [`orbit`] | collocation, condensation, mesh, multipliers, start from a Hopf point; bifurcations of cycles and their curves | `orbit::Collocation`, `orbit::bifurcations` |
+//! | `simulate` | time integration, and what motions settle on (feature `simulation`) | `simulate::settle` |
 //! | [`expression`] | arithmetic as text: grammar, tree, statements of models | `expression::Node` |
 //! | [`import`] | models of other programs, rewritten as scenes | `import::read` |
 //! | [`models`] | the models that scenes can name | `models::TwoDoublet` |
@@ -76,3 +77,5 @@ pub mod problem;
 pub mod run;
 #[cfg(feature = "program")]
 pub mod scene;
+#[cfg(feature = "simulation")]
+pub mod simulate;

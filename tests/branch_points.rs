@@ -382,7 +382,7 @@ impl Formula for Elastica {
 /// The complete elliptic integral of the first kind with modulus k, by the arithmetic-geometric mean.
 fn elliptic(k: f64) -> f64 {
     let (mut a, mut b) = (1.0, (1.0 - k * k).sqrt());
-    while (a - b as f64).abs() > 1e-15 {
+    while f64::abs(a - b) > 1e-15 {
         (a, b) = (0.5 * (a + b), (a * b).sqrt());
     }
     std::f64::consts::FRAC_PI_2 / a

@@ -124,7 +124,7 @@ fn van_der_pol(form: Form, half: bool, mu: f64, (intervals, points, degree): (us
     nodes.extend(last);
     let mesh = (0..=intervals).map(|j| j as f64 / intervals as f64).collect();
     let part = TAU / frame.parts as f64;
-    let mut orbit = Orbit { mesh, points, degree, nodes, dim, part, parts: frame.parts };
+    let mut orbit = Orbit { mesh, points, degree, nodes, dim, part, parts: frame.parts, drift: Vec::new() };
     for mu in [0.1 * mu, 0.4 * mu, 0.7 * mu] {
         let (system, corrected) = fixed(&frame, &orbit, mu);
         orbit = system.orbit(&corrected.point.x);

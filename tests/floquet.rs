@@ -59,7 +59,7 @@ fn followed(rates: &[f64], parts: usize, intervals: usize, wanted: Option<usize>
     let nodes = (0..=intervals * degree).flat_map(node).collect();
     let symmetry = if parts == 2 { Reflection::negation(n) } else { Reflection::identity(n) };
     let part = TAU / parts as f64;
-    let mut orbit = Orbit { mesh, points: Points::Gauss, degree, nodes, dim: n, part, parts };
+    let mut orbit = Orbit { mesh, points: Points::Gauss, degree, nodes, dim: n, part, parts, drift: Vec::new() };
     let problem: Arc<dyn Problem> = Arc::new(problem);
     let (p, scale_state, scale_part, scale_lambda) = (vec![1.0], 1.0, 1.0, 1.0);
     let frame = Frame { problem, p, free: 0, symmetry, parts, scale_state, scale_part, scale_lambda };
@@ -139,8 +139,8 @@ fn all_unstable_multipliers_are_counted_however_few_are_wanted() {
     assert_eq!(unstable, 7);
     values.push(1.0);
     let identity = Reflection::identity(61);
-    let few = multipliers(&product(&values), &identity, 1, Some(2)).expect("multipliers");
-    let all = multipliers(&product(&values), &identity, 1, None).expect("multipliers");
+    let few = multipliers(&product(&values), (&identity, 1), 1, Some(2)).expect("multipliers");
+    let all = multipliers(&product(&values), (&identity, 1), 1, None).expect("multipliers");
     assert!(few.values.len() >= 7 && few.values.len() < 60 && all.values.len() == 60);
     assert_eq!((few.unstable(), all.unstable()), (7, 7));
     assert!(few.trivial_error < 1e-12 && few.values.iter().all(|mu| (mu - 1.0).norm() > 1e-3));
@@ -151,7 +151,7 @@ fn all_unstable_multipliers_are_counted_however_few_are_wanted() {
 fn the_trivial_multipliers_error_limits_the_verdict() {
     let verdict = |values: &[f64]| {
         let identity = Reflection::identity(values.len());
-        let found = multipliers(&product(values), &identity, 1, None).expect("multipliers");
+        let found = multipliers(&product(values), (&identity, 1), 1, None).expect("multipliers");
         (found.verdict(), found.unstable())
     };
     assert_eq!(verdict(&[1.0, 0.5, -0.3]), (Stability::Stable, 0));
@@ -176,8 +176,8 @@ fn half_the_product_and_the_symmetry_give_the_whole() {
     // The other half: S A_j S, as S² = 1.
     let mut whole = half.clone();
     whole.extend(half.iter().map(|a| &s * a * &s));
-    let half = multipliers(&half, &symmetry, 2, None).expect("multipliers");
-    let whole = multipliers(&whole, &Reflection::identity(n), 1, None).expect("multipliers");
+    let half = multipliers(&half, (&symmetry, 2), 1, None).expect("multipliers");
+    let whole = multipliers(&whole, (&Reflection::identity(n), 1), 1, None).expect("multipliers");
     for (k, nu) in wanted.iter().enumerate() {
         close("nu", half.halves[k].re, *nu, 1e-9);
         close("nu²", half.values[k].re, nu * nu, 1e-9);
@@ -211,9 +211,9 @@ fn what_has_no_multipliers_is_an_error() {
     let identity = Reflection::identity(3);
     let mut broken = product(&[1.0, 0.5, 0.2]);
     broken[1][(0, 2)] = f64::INFINITY;
-    let error = multipliers(&broken, &identity, 1, None).expect_err("not finite");
+    let error = multipliers(&broken, (&identity, 1), 1, None).expect_err("not finite");
     assert_eq!(error, FloquetError::Product(PeriodicError::NotFinite { factor: 1 }));
     assert!(error.to_string().contains("factor 1"), "{error}");
     let nothing: Vec<Mat<f64>> = Vec::new();
-    assert!(matches!(multipliers(&nothing, &Reflection::identity(0), 1, None), Err(FloquetError::None)));
+    assert!(matches!(multipliers(&nothing, (&Reflection::identity(0), 1), 1, None), Err(FloquetError::None)));
 }

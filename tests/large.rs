@@ -21,7 +21,7 @@ struct Bratu {
 }
 
 impl Bratu {
-    fn new(points: usize, dimension: usize) -> Arc<dyn Problem> {
+    fn problem(points: usize, dimension: usize) -> Arc<dyn Problem> {
         let structure = match dimension {
             1 => Structure::Banded { lower: 1, upper: 1 },
             _ => {
@@ -73,7 +73,7 @@ impl Formula for Bratu {
 
 /// The fold of the branch from lambda = 0.
 fn fold(points: usize, dimension: usize) -> f64 {
-    let problem = Bratu::new(points, dimension);
+    let problem = Bratu::problem(points, dimension);
     let n = problem.dim();
     let range = (0.0, [4.0, 8.0][dimension - 1]);
     let coordinate = Coordinate { index: 0, logarithmic: false, width: range.1 };
@@ -132,7 +132,7 @@ fn the_fold_of_bratu_on_a_square_converges_with_the_second_order() {
 #[test]
 fn derivatives_by_groups_of_columns_are_those_by_single_ones() {
     for dimension in [1, 2] {
-        let problem = Bratu::new(7, dimension);
+        let problem = Bratu::problem(7, dimension);
         let (n, p) = (problem.dim(), [1.3]);
         let u: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
         assert_eq!(check_derivatives(&*problem, At { u: &u, v: &vec![0.0; n], p: &p }), 0.0);
@@ -143,7 +143,7 @@ fn derivatives_by_groups_of_columns_are_those_by_single_ones() {
 #[test]
 fn eigenvalues_nearest_to_a_point() {
     let m = 30;
-    let problem = Bratu::new(m, 2);
+    let problem = Bratu::problem(m, 2);
     let (u, p) = (vec![0.0; m * m], [0.0]);
     let (gu, gv) = problem.matrices(At { u: &u, v: &u, p: &p });
     let found = nearest(&gu, &gv, c64::new(10.0, 0.0), 8).unwrap();

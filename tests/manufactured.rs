@@ -112,7 +112,7 @@ fn solve(
     let tau = |i: usize| ((i / degree) as f64 + scheme.nodes[i % degree]) / intervals as f64;
     let nodes: Vec<f64> = (0..=intervals * degree).flat_map(|i| model.state(TAU * tau(i))).collect();
     let mesh = (0..=intervals).map(|j| j as f64 / intervals as f64).collect();
-    let orbit = Orbit { mesh, points, degree, nodes, dim: n, part: TAU, parts: 1 };
+    let orbit = Orbit { mesh, points, degree, nodes, dim: n, part: TAU, parts: 1, drift: Vec::new() };
     let frame = Frame {
         problem,
         p: vec![omega],

@@ -145,7 +145,7 @@ fn errors_point_at_line_and_column() {
         (
             "1 + x)",
             "x)",
-            "chain.toml:7:6: model.equations: the equation of x is not finite at the start: 0 is divided by zero",
+            "chain.toml:7:6: model.equations: the equation of u[1] is not finite at the start: 0 is divided by zero",
         ),
         ("u = \"a/2\"", "u = \"a/c\"", "chain.toml:16:8: model.start.u: unknown name \"c\""),
         (

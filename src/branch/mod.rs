@@ -32,6 +32,8 @@ pub enum BranchKind {
     Calibration,
     Map,
     HopfSurface,
+    /// A motion in time, or what motions settle on over a parameter.
+    Simulation,
 }
 
 /// A named column of a branch, with its unit ("" for a pure number).
@@ -99,6 +101,8 @@ pub enum Kind {
     LPNS,
     /// Period doubling and torus at once.
     PDNS,
+    /// Cycle that a motion settled on.
+    LC,
     /// User value.
     UZ,
     /// End of the branch.

@@ -67,7 +67,7 @@ pub fn crossing<S: System>(
         let theta = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
         let point = at_fraction(system, (a, b), theta, counts)?.point;
         let here = value(&point);
-        let narrow = (high.0 - low.0).abs() < 1e-9 && here.abs() >= least.abs();
+        let narrow = (high.0 - low.0).abs() < 1e-12 && here.abs() >= least.abs();
         if here.abs() < least.abs() {
             (least, best) = (here, point);
         }

@@ -16,8 +16,9 @@ pub struct Band {
     k: BandedLu,
     /// A: for each collocation point its n rows.
     first: Vec<Banded>,
-    /// E, in the order of equations, two entries a row.
+    /// E, in the order of equations, as many entries a row as z has.
     scalars: Vec<f64>,
+    count: usize,
     /// `[-C  -1  -e]`, n rows: with this sign a joint of two intervals need not move rows.
     remaining: Mat<f64>,
     /// For each border, its entries on x_1 ... x_{m-1} times K^-1.
@@ -28,7 +29,7 @@ pub struct Band {
 
 impl Band {
     /// `blocks[i]` are G_u and G_v at collocation point i, `value` and `slope` as in `Scheme` (slopes per time), and
-    /// `scalars[i]` the columns of z there, n rows of two.
+    /// `scalars[i]` the columns of z there, n rows.
     pub fn new(
         blocks: &[(Banded, Banded)],
         (value, slope): (&[Vec<f64>], &[Vec<f64>]),
@@ -55,26 +56,28 @@ impl Band {
             }
         }
         let k = BandedLu::new(&k)?;
-        let width = n + 2;
+        let count = scalars.first().map_or(0, |rows| rows.len() / n);
+        let width = n + count;
         let mut right = vec![0.0; m * n * width];
-        let mut ordered = vec![0.0; 2 * m * n];
+        let mut ordered = vec![0.0; count * m * n];
         for row in 0..n {
             for i in 0..m {
                 let at = row * m + i;
                 let target = &mut right[at * width..(at + 1) * width];
                 target[first[i].columns(row)].copy_from_slice(first[i].row(row));
-                target[n..].copy_from_slice(&scalars[i][2 * row..2 * row + 2]);
-                ordered[2 * at..2 * at + 2].copy_from_slice(&scalars[i][2 * row..2 * row + 2]);
+                let here = &scalars[i][count * row..count * (row + 1)];
+                target[n..].copy_from_slice(here);
+                ordered[count * at..count * (at + 1)].copy_from_slice(here);
             }
         }
         k.solve_many(&mut right, width);
-        let mut remaining = Mat::zeros(n, 2 * n + 2);
+        let mut remaining = Mat::zeros(n, 2 * n + count);
         for row in 0..n {
             let solved = &right[(row * m + m - 1) * width..][..width];
             solved.iter().enumerate().for_each(|(j, x)| remaining[(row, if j < n { j } else { n + j })] = -x);
             remaining[(row, n + row)] = -1.0;
         }
-        Ok(Self { k, first, scalars: ordered, remaining, borders: Vec::new(), n, m })
+        Ok(Self { k, first, scalars: ordered, count, remaining, borders: Vec::new(), n, m })
     }
 
     pub fn inside(&self) -> usize {
@@ -96,12 +99,12 @@ impl Band {
         let (n, m) = (self.n, self.m);
         let mut w = self.ordered(row);
         self.k.solve_transposed(&mut w);
-        let mut reach = Reach { a: vec![0.0; n], b: vec![0.0; n], z: [0.0; 2] };
+        let mut reach = Reach { a: vec![0.0; n], b: vec![0.0; n], z: vec![0.0; self.count] };
         for (at, w) in w.iter().enumerate() {
             let (row, i) = (at / m, at % m);
             let columns = self.first[i].columns(row);
             reach.a[columns].iter_mut().zip(self.first[i].row(row)).for_each(|(a, x)| *a -= w * x);
-            reach.z.iter_mut().zip(&self.scalars[2 * at..]).for_each(|(z, e)| *z -= w * e);
+            reach.z.iter_mut().zip(&self.scalars[self.count * at..]).for_each(|(z, e)| *z -= w * e);
         }
         self.borders.push(w);
         reach
@@ -119,12 +122,12 @@ impl Band {
     }
 
     /// x_1 ... x_{m-1} from `K^-1 r`, x_a and z.
-    pub fn back(&self, solved: &[f64], a: &[f64], z: &[f64; 2]) -> Vec<f64> {
+    pub fn back(&self, solved: &[f64], a: &[f64], z: &[f64]) -> Vec<f64> {
         let (n, m) = (self.n, self.m);
         let mut change: Vec<f64> = (0..m * n)
             .map(|at| {
                 let (row, i) = (at / m, at % m);
-                let scalars = self.scalars[2 * at] * z[0] + self.scalars[2 * at + 1] * z[1];
+                let scalars: f64 = self.scalars[self.count * at..].iter().zip(z).map(|(e, z)| e * z).sum();
                 crate::linalg::dot(self.first[i].row(row), &a[self.first[i].columns(row)]) + scalars
             })
             .collect();

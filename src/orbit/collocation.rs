@@ -1,4 +1,5 @@
-//! The collocation equations as a curve: unknowns are the nodes' values, the computed part P of the period, and lambda.
+//! The collocation equations as a curve: unknowns are the nodes' values, the computed part P of the period,
+//! drift velocities c_k, and lambda.
 //!
 //! ```text
 //! G(u(c), u'(c)/P, p) = 0         at every Gauss point c of every interval,
@@ -6,12 +7,26 @@
 //! int <u, u_ref'> dtau = 0,       u_ref the last orbit: the integral phase condition,
 //! border . (u, P, lambda) = 0     (continuation's own row).
 //! ```
+//!
+//! A relative periodic orbit closes up to continuous symmetries `exp(s Gamma_k)`, k = 1 ... K, of the problem. In the frame
+//! that turns with it, `u_lab(t) = exp(t sum_k c_k Gamma_k) u(t)`, it is an orbit of
+//!
+//! ```text
+//! G(u, u'/P + sum_k c_k Gamma_k u, p) = 0,      int <u, Gamma_k u_ref> dtau = 0,
+//! ```
+//!
+//! one unknown velocity and one phase condition for each symmetry (Wulff and Schebesch 2006,
+//! SIAM J. Appl. Dyn. Syst. 5, 435). Gamma_k is skew, so that the reference itself fulfils them. c_k is defined up to
+//! multiples of 2 pi / P, turns of the frame that the orbit does not see. K is the number of velocities that the orbit
+//! comes with: none, or one for each of the problem's rotations.
 
 use super::condensation::{Condensed, Forwarded, Interval, Reach};
+use super::shape::add_drift;
+use super::turning::turned;
 use super::{FloquetError, Multipliers, Orbit, Points, Scheme, Transitions, adapted, multipliers};
 use crate::continuation::{Border, Factored, Point, System};
 use crate::linalg::{Lu, Matrix, Singular};
-use crate::problem::{At, Direction, Problem, Reflection};
+use crate::problem::{At, Direction, Problem, Reflection, Rotation};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -46,6 +61,8 @@ pub struct Collocation {
     reference: Orbit,
     /// `int <., u_ref'> dtau` as a row over all nodes but the last.
     pub(super) phase: Vec<f64>,
+    /// `int <., Gamma_k u_ref> dtau` likewise.
+    turns: Vec<Vec<f64>>,
     /// Weight of each node in the metric, the last node's carried by the first.
     weights: Vec<f64>,
 }
@@ -61,6 +78,7 @@ impl Collocation {
             mesh: Vec::new(),
             reference: orbit.clone(),
             phase: Vec::new(),
+            turns: Vec::new(),
             weights: Vec::new(),
         };
         system.refer_to(orbit);
@@ -96,13 +114,28 @@ impl Collocation {
     pub fn unknowns(orbit: &Orbit) -> Vec<f64> {
         let mut x = orbit.nodes[..orbit.nodes.len() - orbit.dim].to_vec();
         x.push(orbit.part);
+        x.extend_from_slice(&orbit.drift);
         x
+    }
+
+    /// Drift velocities among the unknowns.
+    fn drifts(&self) -> usize {
+        self.reference.drift.len()
+    }
+
+    fn rotations(&self) -> &[Rotation] {
+        if self.drifts() == 0 { &[] } else { self.frame.problem.rotations() }
+    }
+
+    /// P among the unknowns.
+    pub fn part(&self, x: &[f64]) -> f64 {
+        x[x.len() - 1 - self.drifts()]
     }
 
     /// The orbit that unknowns stand for.
     pub fn orbit(&self, x: &[f64]) -> Orbit {
         let n = self.n();
-        let (nodes, part) = x.split_at(x.len() - 1);
+        let (nodes, rest) = x.split_at(x.len() - 1 - self.drifts());
         let mut nodes = nodes.to_vec();
         let mut last = vec![0.0; n];
         self.frame.symmetry.apply(&nodes[..n], &mut last);
@@ -113,8 +146,9 @@ impl Collocation {
             degree: self.scheme.degree,
             nodes,
             dim: n,
-            part: part[0],
+            part: rest[0],
             parts: self.frame.parts,
+            drift: rest[1..].to_vec(),
         }
     }
 
@@ -124,35 +158,43 @@ impl Collocation {
         self.mesh = orbit.mesh.clone();
         self.reference = orbit.clone();
         let nodes = self.intervals() * m;
-        self.phase = vec![0.0; (nodes + 1) * n];
+        let mut phase = vec![0.0; (nodes + 1) * n];
+        let mut turns = vec![vec![0.0; (nodes + 1) * n]; self.drifts()];
         self.weights = vec![0.0; nodes];
         for j in 0..self.intervals() {
             let width = self.mesh[j + 1] - self.mesh[j];
             for (i, weight) in self.scheme.weights.iter().enumerate() {
-                let mut slope = vec![0.0; n];
+                let (mut slope, mut state) = (vec![0.0; n], vec![0.0; n]);
                 for l in 0..=m {
-                    let d = self.scheme.slope[i][l];
+                    let (a, d) = (self.scheme.value[i][l], self.scheme.slope[i][l]);
+                    state.iter_mut().zip(orbit.node(j * m + l)).for_each(|(s, x)| *s += a * x);
                     slope.iter_mut().zip(orbit.node(j * m + l)).for_each(|(s, x)| *s += d * x);
                     self.weights[(j * m + l) % nodes] += width * weight * self.scheme.value[i][l];
                 }
                 for l in 0..=m {
                     // width cancels: int <u, u_ref'> over the interval, u_ref' = slope / width.
                     let factor = weight * self.scheme.value[i][l];
-                    let row = &mut self.phase[(j * m + l) * n..][..n];
+                    let row = &mut phase[(j * m + l) * n..][..n];
                     row.iter_mut().zip(&slope).for_each(|(r, s)| *r += factor * s);
+                    for (rotation, turn) in self.frame.problem.rotations().iter().zip(&mut turns) {
+                        rotation.add(factor * width, &state, &mut turn[(j * m + l) * n..][..n]);
+                    }
                 }
             }
         }
-        let last = self.phase.split_off(nodes * n);
-        self.frame.symmetry.add_transposed(&last, &mut self.phase[..n]);
-        // A row of unit length, so that the phase equation has the size of the others.
-        let norm = crate::linalg::dot(&self.phase, &self.phase).sqrt();
-        if norm > 0.0 {
-            self.phase.iter_mut().for_each(|r| *r /= norm);
+        for row in std::iter::once(&mut phase).chain(&mut turns) {
+            let last = row.split_off(nodes * n);
+            self.frame.symmetry.add_transposed(&last, &mut row[..n]);
+            // A row of unit length, so that the phase equation has the size of the others.
+            let norm = crate::linalg::dot(row, row).sqrt();
+            if norm > 0.0 {
+                row.iter_mut().for_each(|r| *r /= norm);
+            }
         }
+        (self.phase, self.turns) = (phase, turns);
     }
 
-    /// u and u' (per P) at Gauss point i of interval j.
+    /// u and `u' + sum_k c_k Gamma_k u` (per P) at Gauss point i of interval j.
     pub(super) fn state(&self, orbit: &Orbit, j: usize, i: usize) -> (Vec<f64>, Vec<f64>) {
         let (n, m) = (orbit.dim, self.scheme.degree);
         let rate = 1.0 / ((self.mesh[j + 1] - self.mesh[j]) * orbit.part);
@@ -164,6 +206,7 @@ impl Collocation {
                 v[k] += d * x;
             }
         }
+        add_drift(self.rotations(), &orbit.drift, &u, &mut v);
         (u, v)
     }
 
@@ -194,10 +237,22 @@ impl Collocation {
             let (mut gu, mut gv) = (Matrix::zeros(structure.clone(), n), Matrix::zeros(structure.clone(), n));
             self.frame.problem.linearise(at, &mut gu, &mut gv);
             self.frame.problem.derivative(at, &[Direction { u: &[], v: &[], p: &unit }], &mut by_lambda);
-            // dG/dP = -G_v v / P.
-            gv.times(&v, &mut moved);
-            scalars.push(moved.iter().zip(&by_lambda).flat_map(|(m, l)| [-m / orbit.part, *l]).collect());
-            blocks.push((gu, gv));
+            // dG/dP = -G_v u' / P, without the drift.
+            let mut slope = v.clone();
+            for (rotation, c) in self.rotations().iter().zip(&orbit.drift) {
+                rotation.add(-c, &u, &mut slope);
+            }
+            gv.times(&slope, &mut moved);
+            let mut columns = vec![moved.iter().map(|m| -m / orbit.part).collect::<Vec<f64>>()];
+            for rotation in self.rotations() {
+                let (mut turned, mut by_drift) = (vec![0.0; n], vec![0.0; n]);
+                rotation.add(1.0, &u, &mut turned);
+                gv.times(&turned, &mut by_drift);
+                columns.push(by_drift);
+            }
+            columns.push(by_lambda.clone());
+            scalars.push((0..n).flat_map(|row| columns.iter().map(move |column| column[row])).collect());
+            blocks.push(turned((gu, gv), self.rotations(), &orbit.drift));
         }
         let slope: Vec<Vec<f64>> = self.scheme.slope.iter().map(|row| row.iter().map(|d| d * rate).collect()).collect();
         Interval::new(blocks, (&self.scheme.value, &slope), &scalars)
@@ -218,21 +273,27 @@ impl System for Collocation {
         let (n, m) = (self.n(), self.scheme.degree);
         let (equations, phase) = r.split_at_mut(self.intervals() * m * n);
         self.equations(&self.orbit(x), &self.parameters(lambda), equations);
-        phase[0] = crate::linalg::dot(&self.phase, &x[..x.len() - 1]);
+        let nodes = &x[..equations.len()];
+        phase[0] = crate::linalg::dot(&self.phase, nodes);
+        for (r, turn) in phase[1..].iter_mut().zip(&self.turns) {
+            *r = crate::linalg::dot(turn, nodes);
+        }
     }
 
     fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<OrbitFactors, Singular> {
         let orbit = self.orbit(x);
         let p = self.parameters(lambda);
         let condensed = self.condensed(&orbit, &p)?;
-        OrbitFactors::new(condensed, &self.phase, border, &self.frame)
+        OrbitFactors::new(condensed, (&self.phase, &self.turns), border, &self.frame)
     }
 
     fn dual(&self, t: &[f64]) -> Vec<f64> {
         let (n, scale) = (self.n(), self.frame.scale_state.powi(-2));
-        let (nodes, part) = t.split_at(t.len() - 1);
+        let (nodes, rest) = t.split_at(t.len() - 1 - self.drifts());
         let mut row: Vec<f64> = nodes.iter().enumerate().map(|(i, t)| scale * self.weights[i / n] * t).collect();
-        row.push(part[0] / self.frame.scale_part.powi(2));
+        row.push(rest[0] / self.frame.scale_part.powi(2));
+        // A velocity counts as one that turns by one in P.
+        row.extend(rest[1..].iter().map(|c| c * self.frame.scale_part.powi(2)));
         row
     }
 
@@ -260,27 +321,33 @@ impl System for Collocation {
 /// Factors of the whole bordered system.
 pub struct OrbitFactors {
     condensed: Condensed,
-    /// `(x_0, P, lambda)`: n condensed rows, the phase row, the border.
+    /// `(x_0, P, c_1, ..., c_K, lambda)`: n condensed rows, the phase rows, the border.
     ends: Lu<f64>,
     symmetry: Reflection,
     parts: usize,
+    drifts: usize,
 }
 
 impl OrbitFactors {
-    fn new(mut condensed: Condensed, phase: &[f64], border: &Border, frame: &Frame) -> Result<Self, Singular> {
-        let n = frame.symmetry.sign.len();
-        let (nodes, part) = border.row.split_at(border.row.len() - 1);
-        let reaches = [condensed.add_border(phase), condensed.add_border(nodes)];
-        let direct = [[0.0, 0.0], [part[0], border.lambda]];
-        let mut ends = Mat::zeros(n + 2, n + 2);
+    fn new(
+        mut condensed: Condensed,
+        (phase, turns): (&[f64], &[Vec<f64>]),
+        border: &Border,
+        frame: &Frame,
+    ) -> Result<Self, Singular> {
+        let (n, count) = (frame.symmetry.sign.len(), turns.len() + 2);
+        let (nodes, rest) = border.row.split_at(border.row.len() + 1 - count);
+        let rows = std::iter::once(phase).chain(turns.iter().map(Vec::as_slice)).chain([nodes]);
+        let reaches: Vec<Reach> = rows.map(|row| condensed.add_border(row)).collect();
+        let direct: Vec<f64> = rest.iter().copied().chain([border.lambda]).collect();
+        let mut ends = Mat::zeros(n + count, n + count);
         let rows = condensed.transition();
         for i in 0..n {
             for j in 0..n {
                 ends[(i, j)] += rows[(i, j)];
                 ends[(i, frame.symmetry.source[j])] += rows[(i, n + j)] * frame.symmetry.sign[j];
             }
-            ends[(i, n)] = rows[(i, 2 * n)];
-            ends[(i, n + 1)] = rows[(i, 2 * n + 1)];
+            (0..count).for_each(|s| ends[(i, n + s)] = rows[(i, 2 * n + s)]);
         }
         for (k, Reach { a, b, z }) in reaches.iter().enumerate() {
             let mut row = a.clone();
@@ -288,16 +355,17 @@ impl OrbitFactors {
             for (j, &entry) in row.iter().enumerate() {
                 ends[(n + k, j)] = entry;
             }
-            ends[(n + k, n)] = z[0] + direct[k][0];
-            ends[(n + k, n + 1)] = z[1] + direct[k][1];
+            for (s, z) in z.iter().enumerate() {
+                ends[(n + k, n + s)] = z + if k + 1 == count { direct[s] } else { 0.0 };
+            }
         }
         let ends = Lu::new(ends.as_ref())?;
-        Ok(Self { condensed, ends, symmetry: frame.symmetry.clone(), parts: frame.parts })
+        Ok(Self { condensed, ends, symmetry: frame.symmetry.clone(), parts: frame.parts, drifts: turns.len() })
     }
 
     /// Floquet multipliers over the whole period: all, or the leading ones.
     pub fn multipliers(&self, wanted: Option<usize>) -> Result<Multipliers, FloquetError> {
-        multipliers(&self.transitions()?, &self.symmetry, self.parts, wanted)
+        multipliers(&self.transitions()?, (&self.symmetry, self.parts), 1 + self.drifts, wanted)
     }
 
     /// Sign of the determinant of what is left after elimination, `[C + D S, E; phase; border]`.
@@ -312,7 +380,7 @@ impl OrbitFactors {
 
     /// Floquet multipliers over the computed part of the period: all.
     pub fn part_multipliers(&self) -> Result<Multipliers, FloquetError> {
-        multipliers(&self.transitions()?, &self.symmetry, 1, None)
+        multipliers(&self.transitions()?, (&self.symmetry, 1), 1 + self.drifts, None)
     }
 
     /// The condensed rows `[C D E]` that couple the orbit's ends.
@@ -327,21 +395,20 @@ impl OrbitFactors {
 }
 
 impl Factored for OrbitFactors {
-    /// `right`: the intervals' equations, the phase, the border; out: nodes, P, lambda.
+    /// `right`: the intervals' equations, the phases, the border; out: nodes, P, c_1 ... c_K, lambda.
     fn solve(&self, right: &mut [f64]) {
         let n = self.symmetry.sign.len();
-        let equations = right.len() - 2;
-        let mut border = [right[equations], right[equations + 1]];
+        let equations = right.len() - 2 - self.drifts;
+        let mut border = right[equations..].to_vec();
         let (forwarded, rows): (Forwarded, Vec<f64>) = self.condensed.forward(&right[..equations], &mut border);
         let mut ends = rows;
         ends.extend(border);
         self.ends.solve(&mut ends);
-        let z = [ends[n], ends[n + 1]];
+        let z = &ends[n..];
         let mut last = vec![0.0; n];
         self.symmetry.apply(&ends[..n], &mut last);
-        let nodes = self.condensed.back(forwarded, &ends[..n], &last, &z);
+        let nodes = self.condensed.back(forwarded, &ends[..n], &last, z);
         right[..equations].copy_from_slice(&nodes);
-        right[equations] = z[0];
-        right[equations + 1] = z[1];
+        right[equations..].copy_from_slice(z);
     }
 }

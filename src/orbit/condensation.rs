@@ -1,7 +1,7 @@
-//! Elimination of everything but the orbit's first point, the period and lambda.
+//! Elimination of everything but the orbit's first point, the period, drift velocities and lambda.
 //!
 //! Each interval's equations, and each pair of neighbouring spans, have the same form: rows that couple what lies
-//! inside to the two ends and to the scalars z = (P, lambda),
+//! inside to the two ends and to the scalars z = (P, c_1, ..., c_K, lambda), K = 0 without drift,
 //!
 //! ```text
 //! [ inside | x_a  x_b  z ] = r,      rows = inside + n.
@@ -24,7 +24,7 @@ use faer::{Accum, Mat, MatRef, Par};
 pub struct Reach {
     pub a: Vec<f64>,
     pub b: Vec<f64>,
-    pub z: [f64; 2],
+    pub z: Vec<f64>,
 }
 
 /// Entries up to this size are taken as multipliers without exchanging rows: each joint then magnifies rounding errors
@@ -47,7 +47,7 @@ pub struct Elimination {
 }
 
 impl Elimination {
-    /// Eliminates the columns of `inside`; `right` has columns `[x_a (n), x_b (n), z (2)]`.
+    /// Eliminates the columns of `inside`; `right` has columns `[x_a (n), x_b (n), z]`.
     pub fn new(mut inside: Mat<f64>, right: Mat<f64>, n: usize) -> Result<Self, Singular> {
         let (rows, columns) = (inside.nrows(), inside.ncols());
         let (mut order, mut inverse) = (vec![0_usize; rows], vec![0_usize; rows]);
@@ -80,7 +80,7 @@ impl Elimination {
     /// factors are known, and only the product C_r C_l is left to do.
     fn joint(l: MatRef<'_, f64>, r: MatRef<'_, f64>, n: usize) -> Result<Self, Singular> {
         let inside = Mat::from_fn(2 * n, n, |i, j| if i < n { l[(i, n + j)] } else { r[(i - n, j)] });
-        let mut right = Mat::from_fn(2 * n, 2 * n + 2, |i, j| match (i < n, j < n, j < 2 * n) {
+        let mut right = Mat::from_fn(2 * n, l.ncols(), |i, j| match (i < n, j < n, j < 2 * n) {
             (true, true, _) => l[(i, j)],
             (true, false, true) | (false, true, _) => 0.0,
             (true, false, false) => l[(i, j)],
@@ -94,7 +94,7 @@ impl Elimination {
         factors.as_mut().subrows_mut(n, n).copy_from(faer::Scale(-1.0) * r.subcols(0, n));
         let (top, mut bottom) = right.as_mut().split_at_row_mut(n);
         let multipliers = factors.as_ref().subrows(n, n);
-        for (start, count) in [(0, n), (2 * n, 2)] {
+        for (start, count) in [(0, n), (2 * n, l.ncols() - 2 * n)] {
             let part = top.as_ref().subcols(start, count);
             matmul(bottom.as_mut().subcols_mut(start, count), Accum::Add, multipliers, part, -1.0, Par::Seq);
         }
@@ -122,9 +122,9 @@ impl Elimination {
         self.upper().transpose().solve_lower_triangular_in_place(view);
         let top = self.right.as_ref().subrows(0, columns);
         let change: Vec<f64> =
-            (0..2 * n + 2).map(|j| -(0..columns).map(|i| row[i] * top[(i, j)]).sum::<f64>()).collect();
+            (0..top.ncols()).map(|j| -(0..columns).map(|i| row[i] * top[(i, j)]).sum::<f64>()).collect();
         self.borders.push(row);
-        Reach { a: change[..n].to_vec(), b: change[n..2 * n].to_vec(), z: [change[2 * n], change[2 * n + 1]] }
+        Reach { a: change[..n].to_vec(), b: change[n..2 * n].to_vec(), z: change[2 * n..].to_vec() }
     }
 
     /// Applies the elimination to a right-hand side: the upper part, and the n remaining entries; `border` collects
@@ -143,7 +143,7 @@ impl Elimination {
     }
 
     /// The inside from the ends and z.
-    fn back(&self, mut top: Vec<f64>, a: &[f64], b: &[f64], z: &[f64; 2]) -> Vec<f64> {
+    fn back(&self, mut top: Vec<f64>, a: &[f64], b: &[f64], z: &[f64]) -> Vec<f64> {
         let columns = self.inside();
         let outer: Vec<f64> = a.iter().chain(b).chain(z).copied().collect();
         subtract_product(self.right.as_ref().subrows(0, columns), &outer, &mut top);
@@ -169,7 +169,7 @@ pub enum Interval {
 
 impl Interval {
     /// From the matrices G_u and G_v at the collocation points, which are of one structure, the values and slopes (per
-    /// time) of Lagrange polynomials there, and the columns of z, n rows of two at each point.
+    /// time) of Lagrange polynomials there, and the columns of z, n rows at each point.
     pub fn new(
         blocks: Vec<(Matrix, Matrix)>,
         (value, slope): (&[Vec<f64>], &[Vec<f64>]),
@@ -187,7 +187,8 @@ impl Interval {
             return Ok(Interval::Banded(Band::new(&banded, (value, slope), scalars)?));
         }
         let n = dense.first().map_or(0, |(gu, _)| gu.nrows());
-        let (mut inside, mut right) = (Mat::zeros(m * n, (m - 1) * n), Mat::zeros(m * n, 2 * n + 2));
+        let width = scalars.first().map_or(0, |rows| rows.len() / n);
+        let (mut inside, mut right) = (Mat::zeros(m * n, (m - 1) * n), Mat::zeros(m * n, 2 * n + width));
         for (i, (gu, gv)) in dense.iter().enumerate() {
             for l in 0..=m {
                 let (a, d) = (value[i][l], slope[i][l]);
@@ -198,8 +199,8 @@ impl Interval {
                 };
                 faer::zip!(block, gu, gv).for_each(|faer::unzip!(b, x, y)| *b = a * *x + d * *y);
             }
-            for (row, z) in scalars[i].chunks(2).enumerate() {
-                (right[(i * n + row, 2 * n)], right[(i * n + row, 2 * n + 1)]) = (z[0], z[1]);
+            for (k, &entry) in scalars[i].iter().enumerate() {
+                right[(i * n + k / width, 2 * n + k % width)] = entry;
             }
         }
         Ok(Interval::Dense(Elimination::new(inside, right, n)?))
@@ -234,7 +235,7 @@ impl Interval {
         }
     }
 
-    fn back(&self, top: Vec<f64>, a: &[f64], b: &[f64], z: &[f64; 2]) -> Vec<f64> {
+    fn back(&self, top: Vec<f64>, a: &[f64], b: &[f64], z: &[f64]) -> Vec<f64> {
         match self {
             Interval::Dense(elimination) => elimination.back(top, a, b, z),
             Interval::Banded(band) => band.back(&top, a, z),
@@ -314,7 +315,7 @@ impl Span {
                 let mut reach = joint.add_border(middle);
                 reach.a.iter_mut().zip(&l.a).for_each(|(x, y)| *x += y);
                 reach.b.iter_mut().zip(&r.b).for_each(|(x, y)| *x += y);
-                reach.z = [reach.z[0] + l.z[0] + r.z[0], reach.z[1] + l.z[1] + r.z[1]];
+                reach.z.iter_mut().zip(l.z.iter().zip(&r.z)).for_each(|(x, (l, r))| *x = *x + l + r);
                 reach
             }
         }
@@ -347,7 +348,7 @@ impl Span {
     }
 
     /// Appends the span's nodes, from its first on, the last one excluded.
-    fn back(&self, carried: Carried, a: &[f64], b: &[f64], z: &[f64; 2], out: &mut Vec<f64>) {
+    fn back(&self, carried: Carried, a: &[f64], b: &[f64], z: &[f64], out: &mut Vec<f64>) {
         match (self, carried) {
             (Span::Interval(interval), Carried::Interval(top)) => {
                 out.extend_from_slice(a);
@@ -399,7 +400,7 @@ impl Condensed {
     }
 
     /// All nodes but the last from x_0, x_N and z.
-    pub fn back(&self, forwarded: Forwarded, first: &[f64], last: &[f64], z: &[f64; 2]) -> Vec<f64> {
+    pub fn back(&self, forwarded: Forwarded, first: &[f64], last: &[f64], z: &[f64]) -> Vec<f64> {
         let mut out = Vec::with_capacity(self.root.nodes(self.n) * self.n);
         self.root.back(forwarded.0, first, last, z, &mut out);
         out

@@ -7,7 +7,8 @@
 //! though mu = 1 in both. A period doubling, mu = -1, would need nu = ±i, which one parameter does not bring about (Swift and
 //! Wiesenfeld 1984, doi:10.1103/PhysRevLett.52.705).
 //!
-//! One multiplier over P is +1, the shift in time; its distance from 1 bounds from below how wrong the others are (on
+//! One multiplier over P is +1, the shift in time, and one more for each continuous symmetry along which the orbit may drift;
+//! the largest distance of these from 1 bounds from below how wrong the others are (on
 //! an even mesh it can be far smaller than the orbit's own error, which refinement tells).
 
 use crate::linalg::periodic::{self, Eigenvalue, PeriodicError, Product};
@@ -29,7 +30,7 @@ pub enum FloquetError {
     None,
 }
 
-/// Multipliers over the period, largest first, the trivial one left out.
+/// Multipliers over the period, largest first, the trivial ones left out.
 #[derive(Clone, Debug)]
 pub struct Multipliers {
     pub values: Vec<c64>,
@@ -37,7 +38,7 @@ pub struct Multipliers {
     pub logs: Vec<f64>,
     /// The multipliers nu over half the period, `mu = nu²`, in the same order; none where the whole one was computed.
     pub halves: Vec<c64>,
-    /// |trivial multiplier - 1|.
+    /// |trivial multiplier - 1|, the largest if there are several.
     pub trivial_error: f64,
 }
 
@@ -174,17 +175,18 @@ const INSIDE: f64 = 0.9;
 
 /// Multipliers from the transition maps along the computed part of the period, of which there are `parts` (1 or 2) in
 /// the whole one: all of them, or of those largest in modulus at least `wanted` and as many more as it takes to count
-/// the unstable ones right.
+/// the unstable ones right. The `trivial` ones nearest to 1 are left out: one for the shift in time and one for each
+/// continuous symmetry.
 pub fn multipliers(
     transitions: &dyn Product,
-    symmetry: &Reflection,
-    parts: usize,
+    (symmetry, parts): (&Reflection, usize),
+    trivial: usize,
     wanted: Option<usize>,
 ) -> Result<Multipliers, FloquetError> {
     let turned = Turned { transitions, symmetry };
     let n = turned.dim();
-    // The trivial one is not counted.
-    let mut count = wanted.map_or(n, |wanted| wanted + 1);
+    // Trivial ones are not counted.
+    let mut count = wanted.map_or(n, |wanted| wanted + trivial);
     let mut found: Vec<Eigenvalue>;
     loop {
         found = if count < n { periodic::leading(&turned, count)? } else { periodic::all(&turned)? };
@@ -194,8 +196,11 @@ pub fn multipliers(
         count *= 2;
     }
     let distance = |nu: &Eigenvalue| (nu.value() - c64::new(1.0, 0.0)).norm();
-    let trivial = (0..found.len()).min_by(|&i, &j| distance(&found[i]).total_cmp(&distance(&found[j])));
-    let trivial = found.remove(trivial.ok_or(FloquetError::None)?);
+    let mut removed = Vec::with_capacity(trivial);
+    for _ in 0..trivial {
+        let nearest = (0..found.len()).min_by(|&i, &j| distance(&found[i]).total_cmp(&distance(&found[j])));
+        removed.push(found.remove(nearest.ok_or(FloquetError::None)?));
+    }
     let whole = |nu: &Eigenvalue| match parts {
         2 => Eigenvalue { ln: 2.0 * nu.ln, direction: nu.direction * nu.direction },
         _ => *nu,
@@ -205,6 +210,6 @@ pub fn multipliers(
         values: found.iter().map(|nu| whole(nu).value()).collect(),
         logs: found.iter().map(|nu| whole(nu).ln).collect(),
         halves,
-        trivial_error: distance(&whole(&trivial)),
+        trivial_error: removed.iter().map(|nu| distance(&whole(nu))).fold(0.0, f64::max),
     })
 }

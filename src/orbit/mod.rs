@@ -6,15 +6,18 @@ mod collocation;
 mod condensation;
 mod floquet;
 mod mesh;
+mod modulated;
 mod scheme;
 mod shape;
 mod start;
+mod turning;
 
 pub use band::Band;
 pub use collocation::{Collocation, Frame, OrbitFactors};
 pub use condensation::{Condensed, Elimination, Interval};
 pub use floquet::{FloquetError, Multipliers, Stability, Transitions, multipliers};
 pub use mesh::adapted;
+pub use modulated::Modulation;
 pub use scheme::{Points, Scheme};
 pub use shape::{Extremes, Orbit};
 pub use start::{from_hopf, half_period};

@@ -1,7 +1,7 @@
 //! An orbit as data: a piecewise polynomial over one period, or over half of it where symmetry gives the rest.
 
 use super::{Points, Scheme};
-use crate::problem::{At, Problem, Reflection};
+use crate::problem::{At, Problem, Reflection, Rotation};
 use argmin::core::{CostFunction, Executor};
 use argmin::solver::brent::BrentOpt;
 use serde::{Deserialize, Serialize};
@@ -20,6 +20,17 @@ pub struct Orbit {
     pub part: f64,
     /// The period over P: 1, or 2 with half-period symmetry.
     pub parts: usize,
+    /// Velocities c_k of the problem's rotations, where u is seen from a frame that turns with the orbit:
+    /// `u_lab(t) = exp(t sum_k c_k Gamma_k) u(t)`. Empty: the frame is at rest, the orbit itself closes.
+    #[serde(default)]
+    pub drift: Vec<f64>,
+}
+
+/// `v += sum_k c_k Gamma_k u`: from u' in the frame that turns to the rate that the equations see.
+pub(super) fn add_drift(rotations: &[Rotation], drift: &[f64], u: &[f64], v: &mut [f64]) {
+    for (rotation, &c) in rotations.iter().zip(drift) {
+        rotation.add(c, u, v);
+    }
 }
 
 /// Where an observable is largest and smallest over the period.
@@ -60,6 +71,11 @@ impl Orbit {
             }
         }
         (u, v)
+    }
+
+    /// From u' in the frame that turns with the orbit to the rate at rest, seen from that frame.
+    pub fn add_drift(&self, problem: &dyn Problem, u: &[f64], v: &mut [f64]) {
+        add_drift(problem.rotations(), &self.drift, u, v);
     }
 
     /// u and u' at any multiple t of P, by symmetry.
@@ -122,7 +138,8 @@ impl Orbit {
     pub fn extremes(&self, problem: &dyn Problem, observable: usize, p: &[f64], symmetry: &Reflection) -> Extremes {
         let scheme = self.scheme();
         let value = |t: f64| -> f64 {
-            let (u, v) = self.anywhere(t, &scheme, symmetry);
+            let (u, mut v) = self.anywhere(t, &scheme, symmetry);
+            self.add_drift(problem, &u, &mut v);
             problem.observe(observable, At { u: &u, v: &v, p })
         };
         let samples: Vec<f64> = (0..self.parts)

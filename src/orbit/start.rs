@@ -41,7 +41,7 @@ pub fn from_hopf(
     let end = nodes.len() - n;
     nodes[end..].copy_from_slice(&last);
     let mesh = (0..=intervals).map(|j| j as f64 / intervals as f64).collect();
-    (Orbit { mesh, points, degree, nodes, dim: n, part, parts }, hopf.p[free] + form.p2 * r * r)
+    (Orbit { mesh, points, degree, nodes, dim: n, part, parts, drift: Vec::new() }, hopf.p[free] + form.p2 * r * r)
 }
 
 /// The reflection that the cycle obeys over half a period, if the problem has one and the mode is odd under it.

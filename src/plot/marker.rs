@@ -36,7 +36,7 @@ pub fn marks(branch: &Branch) -> Vec<Mark> {
 
 /// The kind that a label begins with: "HB12" is a Hopf point.
 fn kind_of(label: &str) -> Option<Kind> {
-    const ALL: [Kind; 27] = [
+    const ALL: [Kind; 28] = [
         Kind::HB,
         Kind::LP,
         Kind::BP,
@@ -61,6 +61,7 @@ fn kind_of(label: &str) -> Option<Kind> {
         Kind::LPPD,
         Kind::LPNS,
         Kind::PDNS,
+        Kind::LC,
         Kind::UZ,
         Kind::EP,
         Kind::MX,
@@ -98,6 +99,7 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
         Kind::LPPD => Some("fold-flip (LPPD)"),
         Kind::LPNS => Some("fold and torus (LPNS)"),
         Kind::PDNS => Some("period doubling and torus (PDNS)"),
+        Kind::LC => Some("cycle that a motion settled on (LC)"),
         Kind::UZ => Some("user value (UZ)"),
         Kind::MX => Some("no convergence (MX)"),
         Kind::EP => None,
@@ -148,7 +150,7 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
             canvas.line(&shape(&SQUARE), 1.1, INK)
         }
         Kind::UZ => solid(canvas, &shape(&TRIANGLE)),
-        Kind::HH => {
+        Kind::HH | Kind::LC => {
             canvas.disc(at, 4.6, INK)?;
             canvas.disc(at, 3.4, WHITE)
         }

@@ -1,6 +1,6 @@
 //! From one generic formula to a [`Problem`]: derivatives by (hyper-)dual numbers, exact to rounding.
 
-use super::{At, Direction, Observable, Parameter, Problem, Refinement, Reflection};
+use super::{At, Direction, Observable, Parameter, Problem, Refinement, Reflection, Rotation};
 use crate::linalg::{Matrix, Structure};
 use num_dual::{Dual2_64, Dual3, Dual64, DualNum, HyperDual64, HyperHyperDual64};
 
@@ -77,6 +77,11 @@ pub trait Formula: Send + Sync {
 
     fn reflection(&self) -> Option<Reflection> {
         None
+    }
+
+    /// Continuous symmetries; with the structure of G_u as it is without drift.
+    fn rotations(&self) -> &[Rotation] {
+        &[]
     }
 
     fn picture_unit(&self) -> &'static str {
@@ -231,6 +236,10 @@ impl<F: Formula> Problem for Automatic<F> {
 
     fn reflection(&self) -> Option<Reflection> {
         self.0.reflection()
+    }
+
+    fn rotations(&self) -> &[Rotation] {
+        self.0.rotations()
     }
 
     fn picture_unit(&self) -> &'static str {

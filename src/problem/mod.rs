@@ -10,9 +10,11 @@
 //! needs no special case.
 
 mod automatic;
+mod rotation;
 mod tied;
 
 pub use automatic::{Automatic, Formula, Scalar, check_derivatives};
+pub use rotation::Rotation;
 pub use tied::{Tie, Tied};
 
 use crate::linalg::{Matrix, Structure};
@@ -204,6 +206,11 @@ pub trait Problem: Send + Sync {
     /// A reflection under which orbits may be invariant up to half a period.
     fn reflection(&self) -> Option<Reflection> {
         None
+    }
+
+    /// Continuous symmetries, along which relative periodic orbits may drift.
+    fn rotations(&self) -> &[Rotation] {
+        &[]
     }
 
     /// The unit of pictures' coordinates.

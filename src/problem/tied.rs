@@ -3,7 +3,7 @@
 //! The wrapped problem takes the same parameter vector, but entries that are tied are computed, and derivatives follow
 //! by the chain rule: with `P(p)` the resolved vector and `d` a direction, `P'd`, `P''[d, e]` enter the derivatives of G.
 
-use super::{At, Direction, Observable, Parameter, Problem, Refinement, Reflection};
+use super::{At, Direction, Observable, Parameter, Problem, Refinement, Reflection, Rotation};
 use crate::linalg::{Matrix, Structure};
 use num_dual::{Dual64, HyperDual64};
 use std::sync::Arc;
@@ -121,6 +121,10 @@ impl Problem for Tied {
 
     fn reflection(&self) -> Option<Reflection> {
         self.inner.reflection()
+    }
+
+    fn rotations(&self) -> &[Rotation] {
+        self.inner.rotations()
     }
 
     fn picture_unit(&self) -> &'static str {

@@ -92,7 +92,7 @@ pub fn empty(prepared: &Prepared, name: &str, (task, kind): (&scene::Curve, Crit
     let column = |name: &str, unit: &str| Column { name: name.to_owned(), unit: unit.to_owned() };
     let mut columns: Vec<Column> = free.iter().map(|q| column(q.name, q.unit)).collect();
     columns.extend(task.along.logarithmic.iter().map(|name| column(&format!("log10 {name}"), "")));
-    columns.extend(cycles::columns(prepared).iter().map(|(name, unit)| column(name, unit)));
+    columns.extend(cycles::columns(prepared, 0).iter().map(|(name, unit)| column(name, unit)));
     columns.extend(values(kind)[2..].iter().map(|name| column(name, if *name == "theta" { "rad" } else { "" })));
     Branch {
         name: name.to_owned(),

@@ -18,6 +18,7 @@ mod outcome;
 mod plan;
 mod recorded;
 mod resume;
+mod simulate;
 mod start;
 mod stored_cycle;
 mod study;
@@ -104,12 +105,15 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
         let prepared = study.prepare(scene, task)?;
         if let Some((from, at)) = task.kind.from() {
             match task.kind {
+                // Any state will do.
+                TaskKind::Simulate(_) => {}
                 TaskKind::FoldCurve(_) => start::check_fold(scene, from, at)?,
                 TaskKind::BranchPointCurve(_) => start::check_branch_point(scene, from, at)?,
                 TaskKind::Equilibria(_) => start::check_equilibrium(scene, from, at)?,
                 TaskKind::LpcCurve(_) => start::check_cycle(scene, (from, at), "LPC", "a fold of cycles")?,
                 TaskKind::PdCurve(_) => start::check_cycle(scene, (from, at), "PD", "a period doubling")?,
                 TaskKind::NsCurve(_) => start::check_cycle(scene, (from, at), "NS", "a torus bifurcation")?,
+                TaskKind::Cycles(ref cycles) if cycles.relative => start::check_relative(scene, &prepared, from, at)?,
                 TaskKind::Cycles(_) if start::is_cycle(scene, from) => {}
                 _ => start::check(scene, from, at)?,
             }
@@ -229,6 +233,10 @@ fn perform(
         TaskKind::LpcCurve(curve) => cycle_curve((curve, Critical::Fold)),
         TaskKind::PdCurve(curve) => cycle_curve((curve, Critical::Flip)),
         TaskKind::NsCurve(curve) => cycle_curve((curve, Critical::Torus)),
+        TaskKind::Simulate(motion) => match motion.from.as_ref().map(|(from, _)| source(from)).transpose() {
+            Ok(from) => simulate::run(prepared, &task.name, motion, from, watch),
+            Err(reason) => Outcome::failed(simulate::empty(prepared, &task.name, motion), reason),
+        },
         TaskKind::Map(map) => map::run(prepared, &task.name, map, watch),
         TaskKind::HopfCurve(curve) => match source(&curve.from) {
             Ok(from) => hopf_curve::run(prepared, &task.name, curve, from, watch),

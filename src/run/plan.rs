@@ -41,7 +41,8 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 None => name.clone(),
             })
             .collect();
-        let _ = writeln!(out, "task {}: {} in {}", task.name, task.kind.name(), free.join(" and "));
+        let free = if along.free.is_empty() { String::new() } else { format!(" in {}", free.join(" and ")) };
+        let _ = writeln!(out, "task {}: {}{free}", task.name, task.kind.name());
         let yes_no = |flag: bool, what: String, why: &str| {
             if flag { format!("  computed: {what}\n") } else { format!("  left out: {what} ({why})\n") }
         };
@@ -119,6 +120,19 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                     targets.join(", ")
                 );
             }
+            TaskKind::Simulate(motion) => {
+                let method = if motion.sdirk { "ESDIRK3(4)" } else { "BDF" };
+                let [from, to] = motion.time;
+                let count = motion.over.as_ref().map_or(1, |(_, values)| values.len());
+                let _ = writeln!(
+                    out,
+                    "  computed: {count} motion(s) from t = {from} to {to} by {method}, local errors of {:e} of each unknown and \
+                     {:e} of the largest",
+                    motion.tolerance, motion.absolute
+                );
+                let why = "a parameter changes all the time";
+                out += &yes_no(motion.ramp.is_none(), "steady states, cycles and closed curves of returns".into(), why);
+            }
             TaskKind::HopfSurface(surface) => {
                 let _ = writeln!(
                     out,
@@ -156,7 +170,7 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
             task.kind,
             TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::FoldCurve(_) | TaskKind::BranchPointCurve(_)
         );
-        if of_cycles || of_states || matches!(task.kind, TaskKind::Cycles(_)) {
+        if of_cycles || of_states || matches!(task.kind, TaskKind::Cycles(_) | TaskKind::Simulate(_)) {
             let list = ready.study.observables();
             let wanted: Vec<&str> = prepared.observables.iter().map(|&i| list[i].name).collect();
             let others: Vec<&str> = list.iter().map(|o| o.name).filter(|name| !wanted.contains(name)).collect();
@@ -173,6 +187,9 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
         out += &match (along.errors, &task.kind) {
             (false, _) => yes_no(false, estimates, "errors = false"),
             (true, _) if of_cycles => yes_no(false, estimates, "curves of cycles have none"),
+            (true, TaskKind::Simulate(_)) => {
+                yes_no(true, "errors of cycles by a second run with ten times the tolerance".into(), "")
+            }
             (true, TaskKind::FoldCurve(_)) => yes_no(false, estimates, "folds have none"),
             (true, TaskKind::BranchPointCurve(_)) => yes_no(false, estimates, "curves of branch points have none"),
             (true, _) => yes_no(refined, estimates, "the model has no finer discretisation"),

@@ -141,7 +141,16 @@ impl Samples {
             }
         }
         nodes.extend_from_slice(&self.u[0]);
-        Orbit { mesh, points: Points::Radau, degree, nodes, dim: self.u[0].len(), part: period, parts: 1 }
+        Orbit {
+            mesh,
+            points: Points::Radau,
+            degree,
+            nodes,
+            dim: self.u[0].len(),
+            part: period,
+            parts: 1,
+            drift: Vec::new(),
+        }
     }
 
     fn at(&self, t: f64) -> Vec<f64> {

@@ -132,9 +132,34 @@ pub fn check_equilibrium(scene: &Scene, from: &str, at: &Place) -> Result<(), Sc
 pub fn is_cycle(scene: &Scene, from: &str) -> bool {
     let of_cycles = |label: Label| {
         let task = owner(&scene.tasks, label.task);
-        task.is_some_and(|task| matches!(task.kind, TaskKind::Cycles(_)))
+        match task.map(|task| &task.kind) {
+            Some(TaskKind::Cycles(_)) => true,
+            Some(TaskKind::Simulate(_)) => label.kind == "LC",
+            _ => false,
+        }
     };
     scene::is_file(from) || Label::parse(from).is_some_and(of_cycles)
+}
+
+/// Relative periodic orbits are those of models with rotations, and start at cycles.
+pub fn check_relative(scene: &Scene, prepared: &Prepared, from: &str, at: &Place) -> Result<(), SceneError> {
+    if prepared.problem.rotations().is_empty() {
+        let message =
+            "relative = true needs a model with rotations, such as rotations = [\"x -> -y, y -> x\"] in [model]";
+        return Err(scene.refuse(at, message.to_owned()));
+    }
+    let label = Label::parse(from);
+    let task = label.and_then(|label| scene.tasks.iter().find(|task| task.name == label.task));
+    match (label, task.map(|task| &task.kind)) {
+        (Some(label), Some(TaskKind::Cycles(_))) if ["NS", "UZ", "EP"].contains(&label.kind) => Ok(()),
+        _ => Err(scene.refuse(
+            at,
+            format!(
+                "relative periodic orbits start at \"TASK/NS1\" (a rotating wave), \"TASK/UZ1\" or \"TASK/EP1\" of a \
+                 task of kind \"cycles\", not at {from:?}"
+            ),
+        )),
+    }
 }
 
 /// Curves of bifurcations of cycles start at such a point of a branch of cycles.

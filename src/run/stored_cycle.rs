@@ -36,10 +36,16 @@ impl StoredCycle {
             dim: prepared.problem.dim(),
             part: *array("part")?.first()?,
             parts: parts as usize,
+            drift: array("drift").cloned().unwrap_or_default(),
         };
         Some(Self {
             label: from.label.clone(),
-            tangent: Orbit { nodes: tangent.clone(), part: tangent_part, ..orbit.clone() },
+            tangent: Orbit {
+                nodes: tangent.clone(),
+                part: tangent_part,
+                drift: array("tangent_drift").cloned().unwrap_or_default(),
+                ..orbit.clone()
+            },
             orbit,
             tangent_lambda,
             p: list.iter().map(|q| from.parameters.get(q.name).copied().unwrap_or(f64::NAN)).collect(),

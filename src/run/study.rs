@@ -1,6 +1,6 @@
 //! A scene resolved against its model: the problem, its parameters, and what each task needs.
 
-use super::{branch_curve, cycle_curve, cycles, equilibria, fold_curve, hopf_curve, written};
+use super::{branch_curve, cycle_curve, cycles, equilibria, fold_curve, hopf_curve, simulate, written};
 use crate::linalg::Structure;
 use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
@@ -256,17 +256,19 @@ impl Study {
     pub fn prepare(&self, scene: &Scene, task: &Task) -> Result<Prepared, SceneError> {
         let along = task.kind.along();
         let list = self.model.parameters();
-        let free = self.free(scene, &along.free, &along.free_at)?;
+        // A simulation may leave all parameters as they are.
+        let varies = !along.free.is_empty();
+        let free = if varies { self.free(scene, &along.free, &along.free_at)? } else { 0 };
         let q = &list[free];
         let mut others = Vec::new();
         for axis in &along.others {
             others.push(self.free(scene, &axis.name, &along.free_at)?);
         }
-        let freed: Vec<usize> = others.iter().copied().chain([free]).collect();
+        let freed: Vec<usize> = others.iter().copied().chain(varies.then_some(free)).collect();
         let problem = self.problem(&freed);
         let mut p = self.values.clone();
         let bounded = others.iter().zip(&along.others).filter_map(|(&i, axis)| Some((i, axis.range.as_ref()?)));
-        for (free, range) in bounded.chain([(free, &along.range)]) {
+        for (free, range) in bounded.chain(varies.then_some((free, &along.range))) {
             for end in [range.from, range.to] {
                 p[free] = end;
                 if !list[free].bounds.contain(end) {
@@ -286,6 +288,14 @@ impl Study {
             p[free] = equilibria.start.unwrap_or(along.range.from);
             self.check_start(scene, &problem.resolve(&p))?;
         }
+        if let TaskKind::Simulate(simulation) = &task.kind {
+            if let Some((start, at)) = simulation.start.as_ref().filter(|(start, _)| start.len() != self.model.dim()) {
+                let message =
+                    format!("start has {} numbers, but the model has {} unknowns", start.len(), self.model.dim());
+                return Err(scene.refuse(at, message));
+            }
+            self.check_start(scene, &problem.resolve(&p))?;
+        }
         p[free] = self.values[free];
         let (observables, averages) = self.wanted(scene, task)?;
         let waves = scene
@@ -297,8 +307,8 @@ impl Study {
             problem: Arc::new(problem),
             p,
             free,
-            free_name: q.name.to_owned(),
-            free_unit: q.unit.to_owned(),
+            free_name: if varies { q.name.to_owned() } else { String::new() },
+            free_unit: if varies { q.unit.to_owned() } else { String::new() },
             others,
             observables,
             averages,
@@ -345,6 +355,7 @@ impl Study {
             TaskKind::FoldCurve(_) => &fold_curve::VALUES,
             TaskKind::BranchPointCurve(_) => &branch_curve::VALUES,
             TaskKind::Calibration(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im"],
+            TaskKind::Simulate(_) => &simulate::VALUES,
             TaskKind::Map(_) => &["growth", "omega", "frequency", "gap"],
             TaskKind::HopfSurface(_) => &["omega", "frequency", "lyapunov"],
         };
@@ -397,7 +408,9 @@ impl Study {
             | TaskKind::LpcCurve(_)
             | TaskKind::PdCurve(_)
             | TaskKind::NsCurve(_) => along.others.iter().map(|axis| axis.name.clone()).collect(),
-            TaskKind::Calibration(_) | TaskKind::Map(_) | TaskKind::HopfSurface(_) => Vec::new(),
+            TaskKind::Calibration(_) | TaskKind::Map(_) | TaskKind::HopfSurface(_) | TaskKind::Simulate(_) => {
+                Vec::new()
+            }
         };
         for name in along.values.keys().filter(|name| **name != along.free) {
             if !columns.contains(name) {
@@ -435,9 +448,9 @@ impl Study {
     }
 }
 
-/// Columns that spectra, multipliers and logarithmic parameters bring.
+/// Columns that spectra, multipliers, drift and logarithmic parameters bring.
 fn is_spectral(name: &str) -> bool {
-    ["re_", "im_", "mu_", "log10 "].iter().any(|prefix| name.starts_with(prefix))
+    ["re_", "im_", "mu_", "drift_", "log10 "].iter().any(|prefix| name.starts_with(prefix))
 }
 
 fn build(scene: &Scene) -> Result<Arc<dyn Problem>, SceneError> {

@@ -161,12 +161,14 @@ impl Summary {
 
     fn point_lines(&self, out: &mut String, point: &PointLine, free: &[String]) {
         let shown = free.iter().map(|name| {
-            let value = point.parameters.get(name).copied().unwrap_or(f64::NAN);
+            // Motions run in time, which is no parameter.
+            let value = point.parameters.get(name).or(point.values.get(name)).copied().unwrap_or(f64::NAN);
             format!("{name} = {}", with_error(value, point.errors.get(name)))
         });
         let _ = write!(out, "  {:16} {}", point.label, shown.collect::<Vec<_>>().join(", "));
         for (name, value) in &point.values {
-            if name.starts_with("mu_") || name == "growth" && point.kind == Kind::HB {
+            let shown = free.contains(name);
+            if shown || name.starts_with("mu_") || name == "growth" && point.kind == Kind::HB {
                 continue;
             }
             let _ = write!(out, ", {name} = {}", with_error(*value, point.errors.get(name)));

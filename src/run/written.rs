@@ -42,6 +42,7 @@ pub fn build(scene: &Scene, model: &ModelText) -> Result<Arc<Text>, SceneError> 
             .collect(),
         conserved: model.conserved.iter().map(|(name, words)| (name.clone(), words.text.clone())).collect(),
         symmetry: model.symmetry.as_ref().map(|words| words.text.clone()),
+        rotations: model.rotations.iter().map(|words| words.text.clone()).collect(),
         time_unit: model.time_unit.clone(),
         reserved: reserved().into_iter().map(str::to_owned).collect(),
     };
@@ -73,6 +74,7 @@ pub fn refuse(scene: &Scene, model: &ModelText, error: TextError) -> SceneError 
         Part::Conserved(name) => {
             model.conserved.iter().find(|(known, _)| known == name).map_or(nowhere, |(_, words)| in_words(words))
         }
+        Part::Rotation(k) => model.rotations.get(*k).map_or(nowhere, in_words),
         Part::Symmetry => model.symmetry.as_ref().map_or(nowhere, in_words),
     };
     scene.fault(&at, Fault::Text { position, message: error.wrong.message })

@@ -75,6 +75,7 @@ pub(super) fn read(section: &Section<'_>, name: &str) -> Result<Diagram, SceneEr
 
 fn cycles_of(section: &Section<'_>, along: &Along, name: &str) -> Result<Cycles, SceneError> {
     Ok(Cycles {
+        relative: false,
         along: along.clone(),
         from: format!("{name}-1/HB1"),
         from_at: section.at.clone(),

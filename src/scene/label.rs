@@ -3,9 +3,9 @@
 use super::{Fault, Task, TaskKind};
 
 /// Kinds of points that a scene can refer to.
-pub const POINT_KINDS: [&str; 26] = [
-    "HB", "LP", "BP", "KC", "XP", "UZ", "EP", "GH", "BT", "ZH", "HH", "CP", "LPC", "PD", "NS", "BPC", "CPC", "GPD",
-    "CH", "R1", "R2", "R3", "R4", "LPPD", "LPNS", "PDNS",
+pub const POINT_KINDS: [&str; 27] = [
+    "HB", "LP", "BP", "KC", "XP", "UZ", "EP", "LC", "GH", "BT", "ZH", "HH", "CP", "LPC", "PD", "NS", "BPC", "CPC",
+    "GPD", "CH", "R1", "R2", "R3", "R4", "LPPD", "LPNS", "PDNS",
 ];
 
 /// What curves of critical cycles find, by the kind of the task.
@@ -104,6 +104,10 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
             Some(" (a surface has no points with names; start from where it starts)".to_owned())
         }
         ("EP", _) => None,
+        ("LC", TaskKind::Simulate(_)) => None,
+        (_, TaskKind::Simulate(_)) => {
+            Some(" (a simulation leaves EP1, and LC1 where it settles on a cycle)".to_owned())
+        }
         ("HB" | "LP" | "BP" | "UZ", TaskKind::Diagram(_)) => None,
         (_, TaskKind::Diagram(_)) => Some(" (it finds HB, LP, BP, UZ and EP)".to_owned()),
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
@@ -112,6 +116,7 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
             let looks = task.spectrum > 0 || task.detect.iter().any(|known| known == "HB");
             (!looks).then(|| "; give it spectrum = 4".to_owned())
         }
+        ("LC", _) => Some(" (cycles that a simulation settles on: kind = \"simulate\")".to_owned()),
         ("LPC" | "PD" | "NS" | "BPC", TaskKind::Equilibria(_)) => {
             Some(" (these are points of cycles: kind = \"cycles\")".to_owned())
         }

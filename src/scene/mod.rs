@@ -14,6 +14,7 @@ mod overrides;
 mod parameters;
 mod parse;
 mod several;
+mod simulate;
 mod task;
 #[cfg(test)]
 mod tests;
@@ -94,6 +95,8 @@ pub struct ModelText {
     /// Expressions that the flow keeps, by the parameter that is their value.
     pub conserved: Vec<(String, Words)>,
     pub symmetry: Option<Words>,
+    /// Quarter turns of continuous symmetries.
+    pub rotations: Vec<Words>,
     pub time_unit: String,
 }
 
@@ -200,6 +203,7 @@ pub enum TaskKind {
     Calibration(Calibration),
     Map(Map),
     HopfSurface(Surface),
+    Simulate(Simulate),
 }
 
 /// A closed range, `from < to`: reversed and empty ranges are refused, as are NaN and infinite ends.
@@ -226,6 +230,7 @@ impl TaskKind {
             TaskKind::Calibration(_) => "calibration",
             TaskKind::Map(_) => "map",
             TaskKind::HopfSurface(_) => "hopf-surface",
+            TaskKind::Simulate(_) => "simulate",
         }
     }
 
@@ -239,6 +244,7 @@ impl TaskKind {
             TaskKind::Calibration(task) => &task.along,
             TaskKind::Map(task) => &task.along,
             TaskKind::HopfSurface(task) => &task.along,
+            TaskKind::Simulate(task) => &task.along,
         }
     }
 
@@ -246,6 +252,7 @@ impl TaskKind {
     pub fn from(&self) -> Option<(&str, &Place)> {
         match self {
             TaskKind::Equilibria(task) => task.from.as_ref().map(|(from, at)| (from.as_str(), at)),
+            TaskKind::Simulate(task) => task.from.as_ref().map(|(from, at)| (from.as_str(), at)),
             TaskKind::Map(_) | TaskKind::Diagram(_) => None,
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) | TaskKind::BranchPointCurve(task) => {
@@ -290,6 +297,32 @@ pub struct Along {
     pub errors: bool,
     /// Places of the keys given in the task, for messages: "values", "observables", "max_step", ...
     pub places: BTreeMap<String, Place>,
+}
+
+/// `kind = "simulate"`.
+#[derive(Clone, Debug)]
+pub struct Simulate {
+    /// The parameters that the task sets or varies; free is "" if there are none.
+    pub along: Along,
+    /// The point of another branch where the motion starts, and its place.
+    pub from: Option<(String, Place)>,
+    /// Values of all unknowns at the start; default: the model's own.
+    pub start: Option<(Vec<f64>, Place)>,
+    /// Added to the start along its eigenmode: the largest entry.
+    pub amplitude: Option<f64>,
+    pub parameters: Vec<(String, f64)>,
+    /// A parameter that goes from one value to another in the time given.
+    pub ramp: Option<(String, [f64; 2])>,
+    /// A parameter with one motion for each of its values.
+    pub over: Option<(String, Vec<f64>)>,
+    pub time: [f64; 2],
+    /// Whether a diagonally implicit Runge-Kutta method is used, else backward differentiation.
+    pub sdirk: bool,
+    /// Local errors in parts of each unknown, and in parts of the largest.
+    pub tolerance: f64,
+    pub absolute: f64,
+    /// Rows after the first.
+    pub samples: usize,
 }
 
 /// `kind = "equilibria"`.
@@ -363,6 +396,9 @@ pub struct Cycles {
     pub symmetry: bool,
     /// Kinds of special points looked for: "LPC", "PD", "NS", "BPC".
     pub detect: Vec<String>,
+    /// `relative = true`: orbits close up to the model's rotations, with columns `drift_1`, ...; starts are points of other
+    /// cycles: NS of a rotating wave, UZ, EP. Default false.
+    pub relative: bool,
 }
 
 impl Cycles {

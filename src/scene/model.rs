@@ -8,7 +8,8 @@ use super::{
 };
 
 /// What a model as text may hold; every other key is the name of a whole number.
-const TEXT_KEYS: [&str; 7] = ["equations", "parameters", "start", "observables", "conserved", "symmetry", "time_unit"];
+const TEXT_KEYS: [&str; 8] =
+    ["equations", "parameters", "start", "observables", "conserved", "symmetry", "rotations", "time_unit"];
 
 pub(super) fn read(root: &Section<'_>) -> Result<ModelChoice, SceneError> {
     let Some(entry) = root.get("model") else {
@@ -63,6 +64,14 @@ fn written(section: &Section<'_>, equations: &Entry<'_>) -> Result<ModelChoice, 
         symmetry: match section.get("symmetry") {
             Some(entry) => Some(entry.words("a string such as \"x -> -x, y -> -y\"")?),
             None => None,
+        },
+        rotations: match section.get("rotations") {
+            Some(entry) => {
+                let example = "a list such as [\"x -> -y, y -> x\"]";
+                let items = entry.list(example)?;
+                items.iter().map(|item| item.words("a string such as \"x -> -y, y -> x\"")).collect::<Result<_, _>>()?
+            }
+            None => Vec::new(),
         },
         time_unit: match section.get("time_unit") {
             Some(entry) => entry.text()?.to_owned(),

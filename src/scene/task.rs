@@ -2,11 +2,12 @@
 
 use super::entry::{Entry, Section};
 use super::label::{self, Announced};
+use super::simulate;
 use super::tree::Content;
 use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, diagram, map, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 12] = [
+pub const TASK_KINDS: [&str; 13] = [
     "equilibria",
     "diagram",
     "cycles",
@@ -19,12 +20,14 @@ pub const TASK_KINDS: [&str; 12] = [
     "hopf-surface",
     "calibration",
     "map",
+    "simulate",
 ];
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
 const EQUILIBRIA: [&str; 6] = ["log", "from", "start", "state", "spectrum", "detect"];
-const CYCLES: [&str; 8] = ["from", "intervals", "tolerance", "degree", "points", "multipliers", "symmetry", "detect"];
+const CYCLES: [&str; 9] =
+    ["from", "intervals", "tolerance", "degree", "points", "multipliers", "symmetry", "detect", "relative"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
 const CALIBRATION: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "targets", "starts", "errors"];
 const MAP: [&str; 7] = ["name", "kind", "free", "range", "log", "grid", "errors"];
@@ -42,7 +45,15 @@ pub(super) fn read(
     // A misspelt "kind" is to be named as such, so first the keys that no kind knows.
     section.allow(
         "key",
-        &[&COMMON[..], &EQUILIBRIA, &CYCLES, &["targets", "starts", "grid", "tolerance"], &diagram::KEYS].concat(),
+        &[
+            &COMMON[..],
+            &EQUILIBRIA,
+            &CYCLES,
+            &["targets", "starts", "grid", "tolerance"],
+            &diagram::KEYS,
+            &simulate::OWN,
+        ]
+        .concat(),
     )?;
     let kinds = TASK_KINDS.map(|kind| format!("{kind:?}")).join(" or ");
     let kind = section.need("kind", &format!("kind = {kinds}"))?;
@@ -90,6 +101,10 @@ pub(super) fn read(
         "calibration" => {
             section.allow("key of a calibration task", &CALIBRATION)?;
             TaskKind::Calibration(calibration::read(section, read, announced)?)
+        }
+        "simulate" => {
+            section.allow("key of a simulate task", &simulate::KEYS)?;
+            TaskKind::Simulate(simulate::read(section, read, announced)?)
         }
         "map" => {
             section.allow("key of a map task", &MAP)?;
@@ -159,10 +174,22 @@ fn detect(entry: &Entry<'_>, kinds: &[&'static str]) -> Result<Vec<String>, Scen
 
 fn cycles(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Result<Cycles, SceneError> {
     let from = section.need("from", "from = \"TASK/HB1\", the point where the cycles are born")?;
+    let relative = match section.get("relative") {
+        Some(entry) => entry.flag()?,
+        None => false,
+    };
+    if let (true, Some(detect)) = (relative, section.get("detect"))
+        && !detect.texts()?.is_empty()
+    {
+        let message =
+            "bifurcations of relative periodic orbits are not looked for; leave out detect, or relative = true";
+        return Err(detect.error(Fault::Other(message.to_owned())));
+    }
     if !is_file(from.text()?) {
         label::check(from.text()?, read, announced).map_err(|fault| from.error(fault))?;
     }
     Ok(Cycles {
+        relative,
         along: along::read(section)?,
         from: from.text()?.to_owned(),
         from_at: from.at,

@@ -36,7 +36,7 @@ fn unknown_words_are_named_with_those_allowed() {
     refused_with("\"two-doublet\"", "\"two-dublet\"", &model);
     refused_with("k_N = 1e4", "k_M = 1e4", &["parameters.k_M", "unknown parameter", "k_N", "tau_c"]);
     refused_with("free = \"p\"\nrange = [340, 400]", "free = \"q\"\nrange = [340, 400]", &["free", "\"q\"", "tau_c"]);
-    refused_with("kind = \"cycles\"", "kind = \"circles\"", &["kind", "\"circles\"", "equilibria, cycles"]);
+    refused_with("kind = \"cycles\"", "kind = \"circles\"", &["kind", "\"circles\"", "equilibria, diagram, cycles"]);
     refused_with("max_step = 20", "maxstep = 20", &["straight", "maxstep", "did you mean \"max_step\""]);
     refused_with("functions = 10", "function = 10", &["model.function", "did you mean \"functions\"", "load"]);
     refused_with("functions = 10", "load = \"distel\"", &["model.load", "\"uniform\" or \"distal\"", "distel"]);

@@ -117,7 +117,7 @@ pub fn exact(kind: Critical, form: Form, mu: f64) -> (Frame, Orbit) {
         nodes.extend_from_slice(&[phi.cos(), phi.sin(), 0.0, 0.0, 1.0][..dim]);
     }
     let mesh = (0..=intervals).map(|j| j as f64 / intervals as f64).collect();
-    let orbit = Orbit { mesh, points, degree, nodes, dim, part: TAU, parts: 1 };
+    let orbit = Orbit { mesh, points, degree, nodes, dim, part: TAU, parts: 1, drift: Vec::new() };
     let symmetry = Reflection::identity(dim);
     let (scale_state, scale_part, scale_lambda) = (1.0, TAU, 1.0);
     (Frame { problem, p, free: 0, symmetry, parts: 1, scale_state, scale_part, scale_lambda }, orbit)

@@ -11,7 +11,7 @@ use super::tape::Tape;
 use super::unknowns::{self, Unknowns, defines};
 use super::{Part, TextError, Written, WrittenDefault, Wrong, conserved, symmetry};
 use crate::expression::{Expression, Function, Node, RESERVED, Statement, statement, statements, suggest};
-use crate::problem::{Bounds, Default, Observable, Parameter};
+use crate::problem::{Bounds, Default, Observable, Parameter, Rotation};
 use std::sync::Arc;
 
 /// Up to so many unknowns are all observables by their names.
@@ -29,7 +29,7 @@ pub fn build(written: &Written) -> Result<Arc<Text>, TextError> {
     }
     let names: Vec<String> = written.parameters.iter().map(|parameter| parameter.name.clone()).collect();
     let mut scope = Scope::new(&text, &written.constants, &names);
-    let starts = written.start.iter().map(|entry| read_start(entry)).collect::<Result<Vec<Statement>, TextError>>()?;
+    let starts = written.start.iter().map(read_start).collect::<Result<Vec<Statement>, TextError>>()?;
     functions(&mut scope, &text).map_err(TextError::in_equations)?;
     let unknowns = unknowns::find(&mut scope, &text, written, &starts)?;
     let n = unknowns.names.len();
@@ -55,6 +55,7 @@ pub fn build(written: &Written) -> Result<Arc<Text>, TextError> {
         structure,
         linearisation: Linearisation::new(&scope.graph, &rows),
         reflection: None,
+        rotations: Vec::new(),
         time_unit: intern(&written.time_unit),
         names: unknowns.names,
         start_names: written.start.iter().map(|(name, _)| name.clone()).collect(),
@@ -69,7 +70,17 @@ pub fn build(written: &Written) -> Result<Arc<Text>, TextError> {
             Some(read.map_err(|wrong| TextError { part: Part::Symmetry, wrong })?)
         }
     };
-    Ok(Arc::new(Text { reflection, ..text }))
+    let rotations = written.rotations.iter().enumerate().map(|(k, rotation)| {
+        let read = symmetry::rotation(&text, rotation, &written.constants);
+        read.map_err(|wrong| TextError { part: Part::Rotation(k), wrong })
+    });
+    let rotations: Vec<Rotation> = rotations.collect::<Result<_, _>>()?;
+    if let Some(k) = (1..rotations.len()).find(|&k| rotations[..k].iter().any(|other| !other.commutes(&rotations[k]))) {
+        let message =
+            "rotations must commute; this one does not with one before it, or turns the same pairs".to_owned();
+        return Err(TextError { part: Part::Rotation(k), wrong: Wrong { offset: None, message } });
+    }
+    Ok(Arc::new(Text { reflection, rotations, ..text }))
 }
 
 /// Keys of the scene that are to be names in expressions must look like names.
@@ -249,8 +260,11 @@ fn start(
     Ok(ids)
 }
 
+/// Names of indices with their values.
+type Indices = Vec<(String, i64)>;
+
 /// The unknowns that an entry of [model.start] speaks of, with the values of its indices.
-fn started(scope: &Scope<'_>, start: &Statement) -> Result<Vec<(usize, Vec<(String, i64)>)>, Wrong> {
+fn started(scope: &Scope<'_>, start: &Statement) -> Result<Vec<(usize, Indices)>, Wrong> {
     let (name, indices) = match &start.left {
         Node::Name(name, _) => (name, None),
         Node::Element(name, indices, _) => (name, Some(&indices[..])),

@@ -5,7 +5,7 @@ use super::linearisation::Linearisation;
 use super::rows::Row;
 use super::tape::Tape;
 use crate::linalg::{Matrix, Structure};
-use crate::problem::{At, Formula, Observable, Parameter, Reflection, Scalar};
+use crate::problem::{At, Formula, Observable, Parameter, Reflection, Rotation, Scalar};
 use std::sync::Arc;
 
 /// A model that was written as text.
@@ -20,6 +20,7 @@ pub struct Text {
     pub(super) structure: Structure,
     pub(super) linearisation: Linearisation,
     pub(super) reflection: Option<Reflection>,
+    pub(super) rotations: Vec<Rotation>,
     pub(super) time_unit: &'static str,
     pub(super) start_names: Vec<String>,
     pub(super) rows: Vec<Row>,
@@ -74,5 +75,9 @@ impl Formula for Arc<Text> {
 
     fn reflection(&self) -> Option<Reflection> {
         self.reflection.clone()
+    }
+
+    fn rotations(&self) -> &[Rotation] {
+        &self.rotations
     }
 }

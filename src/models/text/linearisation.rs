@@ -14,11 +14,13 @@ use num_dual::Dual64;
 /// Beyond so many comparisons of columns each gets a colour of its own.
 const MOST_COMPARISONS: usize = 100_000_000;
 
+/// Columns of one colour, and the entries (row, column) that they fill.
+type Colour = (Vec<u32>, Vec<(u32, u32)>);
+
 /// How to fill a matrix of first derivatives.
 #[derive(Clone, Debug)]
 enum Filling {
-    /// For each colour the columns, and the entries (row, column) that they fill.
-    Coloured(Vec<(Vec<u32>, Vec<(u32, u32)>)>),
+    Coloured(Vec<Colour>),
     Constant(Vec<(u32, u32, f64)>),
 }
 
@@ -126,7 +128,7 @@ fn coloured<'a>(n: usize, rows: impl Iterator<Item = &'a [u32]>) -> Filling {
         colour[j] = free as u32;
     }
     let count = colour.iter().filter(|&&c| c != u32::MAX).max().map_or(0, |&c| c as usize + 1);
-    let mut colours: Vec<(Vec<u32>, Vec<(u32, u32)>)> = vec![Default::default(); count];
+    let mut colours: Vec<Colour> = vec![Default::default(); count];
     for (j, column) in (0..).zip(&columns) {
         if let Some((members, entries)) = colours.get_mut(colour[j as usize] as usize) {
             members.push(j);

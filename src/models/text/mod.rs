@@ -53,6 +53,8 @@ pub struct Written {
     pub conserved: Vec<(String, String)>,
     /// `x -> -x, y -> -y`
     pub symmetry: Option<String>,
+    /// `x -> -y, y -> x`: quarter turns of continuous symmetries.
+    pub rotations: Vec<String>,
     pub time_unit: String,
     /// Names that mean something else in results: no unknown is an observable by such a name.
     pub reserved: Vec<String>,
@@ -93,6 +95,7 @@ pub enum Part {
     Observable(String),
     Conserved(String),
     Symmetry,
+    Rotation(usize),
 }
 
 /// What is wrong in one text, and the byte at which it is.

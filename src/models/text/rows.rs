@@ -56,12 +56,15 @@ pub fn dependencies(graph: &Graph, rows: &mut [Row]) -> Result<(), Wrong> {
     Ok(())
 }
 
+/// The unknown that a row determines, of those not taken.
+type Pick = fn(&Row, &[Option<Row>]) -> Option<u32>;
+
 /// Rows in the order of the unknowns that they are taken to determine: the one whose rate of change they give; of what
 /// is left, the first that occurs.
 pub fn assign(rows: Vec<Row>, n: usize) -> Vec<Row> {
     let mut taken: Vec<Option<Row>> = (0..n).map(|_| None).collect();
     let mut left = rows;
-    let picks: [fn(&Row, &[Option<Row>]) -> Option<u32>; 4] = [
+    let picks: [Pick; 4] = [
         |row, taken| match row.rates[..] {
             [only] if taken[only as usize].is_none() => Some(only),
             _ => None,

@@ -1,4 +1,5 @@
-//! `symmetry = "x -> -x, y -> -y"`: read, and tried on the equations.
+//! `symmetry = "x -> -x, y -> -y"` and `rotations = ["x -> -y, y -> x"]`, a rotation being written as its quarter turn:
+//! read, and tried on the equations.
 
 use super::Wrong;
 use super::build::shorten;
@@ -6,14 +7,57 @@ use super::formula::Text;
 use super::index::{Whole, values};
 use super::scope::show;
 use crate::expression::{Node, suggest};
-use crate::problem::Reflection;
+use crate::problem::{Reflection, Rotation};
 use std::collections::HashMap;
 
 /// Relative to the largest term; far above rounding, far below any true difference.
 const TOLERANCE: f64 = 1e-9;
 
-/// Unknowns that are not listed stay as they are.
+/// A map that is its own inverse.
 pub(super) fn read(text: &Text, written: &str, constants: &[(String, i64)]) -> Result<Reflection, Wrong> {
+    let reflection = exchange(text, written, constants)?;
+    let twice = (0..text.names.len()).find(|&i| {
+        let j = reflection.source[i];
+        reflection.source[j] != i || reflection.sign[i] * reflection.sign[j] != 1.0
+    });
+    if let Some(i) = twice {
+        let message = format!(
+            "the symmetry, done twice, does not take {} to itself; list what it is exchanged with",
+            text.names[i]
+        );
+        return Err(Wrong { offset: None, message });
+    }
+    check(text, &reflection)?;
+    Ok(reflection)
+}
+
+/// A rotation from its quarter turn: what is not listed does not turn.
+pub(super) fn rotation(text: &Text, written: &str, constants: &[(String, i64)]) -> Result<Rotation, Wrong> {
+    let quarter = exchange(text, written, constants)?;
+    let mut planes = Vec::new();
+    for (i, (&j, &sign)) in quarter.source.iter().zip(&quarter.sign).enumerate() {
+        if i == j && sign == 1.0 {
+            continue;
+        }
+        if i == j || quarter.source[j] != i || quarter.sign[j] != -sign {
+            let message = format!(
+                "a rotation is written as its quarter turn, pairs such as x -> -y, y -> x; {} has no such partner",
+                text.names[i]
+            );
+            return Err(Wrong { offset: None, message });
+        }
+        // x -> -y: the state's x becomes -y.
+        if sign < 0.0 {
+            planes.push((i, j, 1.0));
+        }
+    }
+    let rotation = Rotation { planes };
+    check_turn(text, &rotation)?;
+    Ok(rotation)
+}
+
+/// A signed permutation; unknowns that are not listed stay as they are.
+fn exchange(text: &Text, written: &str, constants: &[(String, i64)]) -> Result<Reflection, Wrong> {
     let n = text.names.len();
     let positions: HashMap<&str, usize> = text.names.iter().enumerate().map(|(i, name)| (name.as_str(), i)).collect();
     let whole = Whole { constants };
@@ -65,18 +109,6 @@ pub(super) fn read(text: &Text, written: &str, constants: &[(String, i64)]) -> R
         }
         at += part.len() + 1;
     }
-    let twice = (0..n).find(|&i| {
-        let j = reflection.source[i];
-        reflection.source[j] != i || reflection.sign[i] * reflection.sign[j] != 1.0
-    });
-    if let Some(i) = twice {
-        let message = format!(
-            "the symmetry, done twice, does not take {} to itself; list what it is exchanged with",
-            text.names[i]
-        );
-        return Err(Wrong { offset: None, message });
-    }
-    check(text, &reflection)?;
     Ok(reflection)
 }
 
@@ -132,8 +164,8 @@ pub(super) fn scattered(seed: usize, count: usize) -> Vec<f64> {
 
 /// The equations at the image of a point must be, up to signs, the image of the equations at the point.
 fn check(text: &Text, reflection: &Reflection) -> Result<(), Wrong> {
-    let (n, m) = (text.names.len(), text.parameters.len());
-    let (u, v, p) = (scattered(0, n), scattered(1000, n), scattered(5000, m));
+    let n = text.names.len();
+    let [u, v, p] = anywhere(text);
     let (mut image_u, mut image_v) = (vec![0.0; n], vec![0.0; n]);
     reflection.apply(&u, &mut image_u);
     reflection.apply(&v, &mut image_v);
@@ -150,4 +182,30 @@ fn check(text: &Text, reflection: &Reflection) -> Result<(), Wrong> {
         }
     }
     Ok(())
+}
+
+/// Some u, v and p.
+fn anywhere(text: &Text) -> [Vec<f64>; 3] {
+    let (n, m) = (text.names.len(), text.parameters.len());
+    [scattered(0, n), scattered(1000, n), scattered(5000, m)]
+}
+
+/// The equations must turn with the state: those of a pair as the pair, the others not at all.
+fn check_turn(text: &Text, rotation: &Rotation) -> Result<(), Wrong> {
+    const ANGLE: f64 = 0.7;
+    let [mut u, mut v, p] = anywhere(text);
+    let n = u.len();
+    let (mut expected, mut seen) = (vec![0.0; n], vec![0.0; n]);
+    text.residual.evaluate(&u, &v, &p, &mut expected);
+    [&mut u, &mut v, &mut expected].into_iter().for_each(|x| rotation.turn(ANGLE, x));
+    text.residual.evaluate(&u, &v, &p, &mut seen);
+    let scale = expected.iter().filter(|g| g.is_finite()).fold(0.0_f64, |scale, g| scale.max(g.abs()));
+    match (0..n).find(|&i| (seen[i] - expected[i]).abs() > TOLERANCE * scale) {
+        None => Ok(()),
+        Some(i) => {
+            let message =
+                format!("the rotation is no symmetry: the equation of {} does not turn with it", text.names[i]);
+            Err(Wrong { offset: None, message })
+        }
+    }
 }

@@ -113,10 +113,12 @@ impl Tape {
 
     /// The outputs at (u, v, p).
     pub fn evaluate<S: Scalar>(&self, u: &[S], v: &[S], p: &[S], out: &mut [S]) {
-        match self.registers {
-            ..=SMALL => self.evaluate_small::<S, SMALL>((u, v, p), out),
-            ..=MEDIUM => self.evaluate_small::<S, MEDIUM>((u, v, p), out),
-            _ => self.evaluate_large((u, v, p), out),
+        if self.registers <= SMALL {
+            self.evaluate_small::<S, SMALL>((u, v, p), out);
+        } else if self.registers <= MEDIUM {
+            self.evaluate_small::<S, MEDIUM>((u, v, p), out);
+        } else {
+            self.evaluate_large((u, v, p), out);
         }
     }
 

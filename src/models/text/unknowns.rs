@@ -85,8 +85,7 @@ pub fn find(
         }
     }
     let rank = |name: &str| found.names.iter().position(|known| known == name).unwrap_or(0);
-    let mut all: Vec<(&(String, Vec<i64>), usize, usize)> =
-        found.elements.iter().map(|(key, &at)| (key, at, rank(&key.0))).collect();
+    let mut all: Vec<_> = found.elements.iter().map(|(key, &at)| (key, at, rank(&key.0))).collect();
     all.sort_by(|((_, a), _, rank_a), ((_, b), _, rank_b)| (!a.is_empty(), a, rank_a).cmp(&(!b.is_empty(), b, rank_b)));
     let mut unknowns = Unknowns { names: Vec::new(), order: Vec::new(), algebraic: Vec::new(), scalars: 0 };
     for (i, ((name, element), at, _)) in all.iter().enumerate() {

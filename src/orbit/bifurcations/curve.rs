@@ -110,7 +110,7 @@ impl CycleCurve {
     pub fn multipliers(&self, point: &Point) -> Result<Vec<c64>, Singular> {
         let place = self.place(&point.x, point.lambda)?;
         let transitions = Transitions::new(&place.linear.condensed.intervals())?;
-        Ok(multipliers(&transitions, place.linear.symmetry(), 1, None).map_err(|_| Singular)?.values)
+        Ok(multipliers(&transitions, (place.linear.symmetry(), 1), 1, None).map_err(|_| Singular)?.values)
     }
 }
 

@@ -31,22 +31,22 @@ pub struct Homoclinic {
     /// lambda_h, and how far the last two estimates differ.
     pub lambda: f64,
     pub error: f64,
-    pub equilibrium: Vec<f64>,
-    /// As the periods have it, and as the equilibrium has it.
-    pub rates: [f64; 2],
+    /// As the periods have it, and as the equilibrium beside which the orbit slows down has it, if there is one.
+    pub rates: (f64, Option<f64>),
 }
 
 /// The branch has ended when it is this near, in parts of its own extent,
 const NEAR: f64 = 1e-8;
-/// and the two rates agree so well.
+/// and the two rates agree so well; without a rate to compare with, when lambda does not change any more while T grows.
 const AGREEMENT: f64 = 0.05;
+const STANDSTILL: f64 = 1e-11;
 /// Steps of Newton's method to the equilibrium.
 const MOST_STEPS: usize = 20;
 
 impl Passage {
     pub fn new(system: &Collocation, point: &Point) -> Self {
         let parts = system.frame.parts as f64;
-        let part = |x: &[f64]| x[x.len() - 1] * parts;
+        let part = |x: &[f64]| system.part(x) * parts;
         Self { lambda: point.lambda, period: part(&point.x), slope: point.tangent_lambda / part(&point.tangent) }
     }
 }
@@ -58,6 +58,10 @@ impl Homoclinic {
         (system, point): (&Collocation, &Point),
         extent: f64,
     ) -> Option<Self> {
+        // Relative orbits end at relative equilibria, which are not looked for.
+        if !system.reference().drift.is_empty() {
+            return None;
+        }
         let growing = first.period < second.period && second.period < third.period;
         let estimate = |a: Passage, b: Passage| {
             let rate = -(b.slope - a.slope) / (b.lambda - a.lambda);
@@ -71,11 +75,10 @@ impl Homoclinic {
         let orbit = system.orbit(&point.x);
         let p = system.parameters(point.lambda);
         let problem = &*system.frame.problem;
-        let equilibrium = equilibrium(problem, &slowest(&orbit), &p)?;
-        let own = leading_rate(problem, &equilibrium, &p, rate)?;
-        let agree = (own / rate - 1.0).abs() < AGREEMENT;
+        let own = equilibrium(problem, &slowest(&orbit), &p).and_then(|u| leading_rate(problem, &u, &p, rate));
+        let agree = own.is_some_and(|own| (own / rate - 1.0).abs() < AGREEMENT);
         let error = (lambda - before).abs().max(left * f64::EPSILON.sqrt());
-        agree.then_some(Self { lambda, error, equilibrium, rates: [rate, own] })
+        (agree || left < STANDSTILL * extent).then_some(Self { lambda, error, rates: (rate, own) })
     }
 }
 

@@ -35,8 +35,12 @@ pub struct Linear {
 }
 
 impl Linear {
-    /// At an orbit, which need not close, with border rows over all nodes but the last.
+    /// At an orbit, which need not close, with border rows over all nodes but the last. Relative periodic orbits are
+    /// refused: their drift is no unknown here.
     pub fn new(system: &Collocation, orbit: Orbit, p: Vec<f64>, rows: &[&[f64]]) -> Result<Self, Singular> {
+        if !orbit.drift.is_empty() {
+            return Err(Singular);
+        }
         let mut condensed = system.condensed(&orbit, &p)?;
         let mut reaches = vec![condensed.add_border(&system.phase)];
         reaches.extend(rows.iter().map(|row| condensed.add_border(row)));

@@ -3,6 +3,7 @@
 
 mod origin;
 mod quantities;
+mod relative;
 mod rows;
 mod special;
 
@@ -39,6 +40,23 @@ enum CyclesError {
     Incomplete(String),
     #[error("{label} is a branch point for {name} alone: free = {name:?}")]
     OtherParameter { label: String, name: String },
+    #[error(
+        "{0} is no rotating wave with a complex pair of eigenvalues: relative = true starts at its NS point, or at any UZ or \
+         EP of cycles that are no rotating waves"
+    )]
+    NoWave(String),
+    #[error("the start {0} drifts along rotations, so that it closes in a frame only that turns: relative = true")]
+    Drifts(String),
+    #[error(
+        "{0} obeys a symmetry over half a period that turns the rotations round: there is no drift; compute it with \
+         symmetry = \"none\""
+    )]
+    Reflected(String),
+    #[error(
+        "a rotation leaves the cycle {0} as it is or only moves it along itself (a rotating wave): period and drift are \
+         not determined apart; leave out relative, or start at an NS point of the wave"
+    )]
+    Unmoved(String),
     #[error("the branches at {0} touch: there is no other direction to second order")]
     Touching(String),
     #[error("the start {0} does not move: it is an equilibrium")]

@@ -5,7 +5,7 @@ use crate::bifurcation::{Coordinate, Hopf, HopfNormalForm, reverse};
 use crate::branch::{Row, SpecialPoint};
 use crate::continuation::{Border, Corrected, Counts, Point, StepControl, System, Walk, WalkState, correct, inner};
 use crate::orbit::bifurcations::{BranchPoint, Critical, CriticalCycle, Departure};
-use crate::orbit::{Collocation, Frame, OrbitFactors, Points, from_hopf, half_period};
+use crate::orbit::{Collocation, Frame, Modulation, OrbitFactors, Points, from_hopf, half_period};
 use crate::problem::{Problem, Reflection};
 use crate::run::start::Stored;
 use crate::run::stored_cycle::StoredCycle;
@@ -14,7 +14,7 @@ use crate::scene::Label;
 /// Radius of the first cycle and step sizes, in parts of the range: amplitudes go as the square root of it.
 const FIRST_RADIUS: f64 = 0.02;
 /// Distance of the first cycle of a branch that leaves another, in parts of the orbit.
-const FIRST_DISTANCE: f64 = 0.02;
+pub(super) const FIRST_DISTANCE: f64 = 0.02;
 const FIRST_STEP: f64 = 0.02;
 const LARGEST_STEP: f64 = 0.05;
 const LEAST_STEP: f64 = 1e-7;
@@ -27,6 +27,8 @@ pub enum Origin {
     Hopf { hopf: Box<Hopf>, form: Box<HopfNormalForm>, reference: f64, span: f64 },
     /// nu = -1 (flip) or +1, at a cycle on the mesh of the new task.
     Cycle { stored: StoredCycle, flip: bool },
+    /// Where a rotating wave becomes modulated; the frame of the orbits that leave it.
+    Wave { stored: StoredCycle, frame: Frame, modulation: Box<Modulation> },
     /// A cycle of a branch that goes on on both sides.
     Amid { stored: StoredCycle },
 }
@@ -36,13 +38,13 @@ impl Origin {
     pub fn onset(&self, free: usize) -> f64 {
         match self {
             Origin::Hopf { hopf, .. } => hopf.p[free],
-            Origin::Cycle { stored, .. } | Origin::Amid { stored } => stored.p[free],
+            Origin::Cycle { stored, .. } | Origin::Amid { stored } | Origin::Wave { stored, .. } => stored.p[free],
         }
     }
 }
 
 impl Cycles<'_> {
-    fn points(&self) -> Points {
+    pub(super) fn points(&self) -> Points {
         if self.task.gauss { Points::Gauss } else { Points::Radau }
     }
 
@@ -56,7 +58,7 @@ impl Cycles<'_> {
             let (name, what) = (self.prepared.free_name.clone(), from.label.clone());
             Err(CyclesError::Outside { what, name, value, from: low, to: high })
         };
-        if Label::parse(&from.label).is_some_and(|label| ["PD", "BPC"].contains(&label.kind)) {
+        if !self.task.relative && Label::parse(&from.label).is_some_and(|label| ["PD", "BPC"].contains(&label.kind)) {
             let stored = StoredCycle::read(self.prepared, from);
             let stored = stored.ok_or_else(|| CyclesError::Incomplete(from.label.clone()))?;
             inside(stored.p[self.prepared.free])?;
@@ -74,6 +76,9 @@ impl Cycles<'_> {
             let stored = StoredCycle::read(self.prepared, from);
             let stored = stored.ok_or_else(|| CyclesError::Incomplete(from.label.clone()))?;
             inside(stored.p[self.prepared.free])?;
+            if !self.task.relative && !stored.orbit.drift.is_empty() {
+                return Err(CyclesError::Drifts(from.label.clone()));
+            }
             if stored.still() {
                 return Err(CyclesError::Still(from.label.clone()));
             }
@@ -82,7 +87,7 @@ impl Cycles<'_> {
             }
             let intervals = self.task.intervals.unwrap_or(stored.orbit.intervals());
             let stored = stored.remeshed(intervals, self.task.degree, self.points());
-            return Ok(Origin::Amid { stored });
+            return if self.task.relative { self.relative(from, stored) } else { Ok(Origin::Amid { stored }) };
         }
         let (hopf, form) = self.hopf(from)?;
         let onset = inside(hopf.p[self.prepared.free])?;
@@ -137,6 +142,7 @@ impl Cycles<'_> {
                 let symmetry = Reflection::identity(stored.orbit.dim);
                 Ok(Frame { symmetry, parts: 1, scale_part: 2.0 * frame.scale_part, ..frame })
             }
+            Origin::Wave { frame, .. } => Ok(frame.clone()),
         }
     }
 
@@ -152,6 +158,11 @@ impl Cycles<'_> {
             Origin::Hopf { .. } => self.born(origin, counts)?,
             Origin::Cycle { stored, flip } => {
                 let Departure { system, origin, corrected } = self.depart(stored, *flip, way, counts)?;
+                (system, origin, corrected)
+            }
+            Origin::Wave { stored, modulation, .. } => {
+                let frame = self.frame(origin)?;
+                let Departure { system, origin, corrected } = self.leave_wave(stored, frame, modulation, counts)?;
                 (system, origin, corrected)
             }
         };

@@ -28,8 +28,8 @@ impl Average {
     }
 }
 
-/// Names and units of what [`measure`] gives.
-pub fn columns(prepared: &Prepared) -> Vec<(String, String)> {
+/// Names and units of what [`measure`] gives, for orbits with so many drift velocities.
+pub fn columns(prepared: &Prepared, drifts: usize) -> Vec<(String, String)> {
     let time = prepared.problem.time_unit();
     let frequency = match time {
         "" => String::new(),
@@ -37,6 +37,8 @@ pub fn columns(prepared: &Prepared) -> Vec<(String, String)> {
         unit => format!("1/{unit}"),
     };
     let mut columns = vec![("period".to_owned(), time.to_owned()), ("frequency".to_owned(), frequency)];
+    let turning = if time.is_empty() { String::new() } else { format!("rad/{time}") };
+    columns.extend((1..=drifts).map(|k| (format!("drift_{k}"), turning.clone())));
     let list = prepared.problem.observables();
     for &i in &prepared.observables {
         for extreme in ["max", "min"] {
@@ -62,12 +64,17 @@ pub fn measure(
     p: &[f64],
 ) -> Vec<f64> {
     let mut values = vec![orbit.period(), 1.0 / orbit.period()];
+    values.extend_from_slice(&orbit.drift);
     for &i in &prepared.observables {
         let extremes = orbit.extremes(problem, i, p, symmetry);
         values.extend([extremes.max, extremes.min]);
     }
     for average in &prepared.averages {
-        let observe = |i: usize, u: &[f64], v: &[f64]| problem.observe(i, At { u, v, p });
+        let observe = |i: usize, u: &[f64], v: &[f64]| {
+            let mut v = v.to_vec();
+            orbit.add_drift(problem, u, &mut v);
+            problem.observe(i, At { u, v: &v, p })
+        };
         values.push(match *average {
             Average::State => orbit.mean(symmetry, &|u, _| crate::linalg::dot(u, u)).sqrt(),
             Average::Mean(i) => orbit.mean(symmetry, &|u, v| observe(i, u, v)),

@@ -53,10 +53,10 @@ impl Pending {
 /// A branch without rows: its columns are what the task asks for.
 pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
     let mut columns = vec![(prepared.free_name.clone(), prepared.free_unit.clone())];
-    columns.extend(quantities::columns(prepared));
+    columns.extend(quantities::columns(prepared, drifts(prepared, task)));
     let measured = columns.len();
     if task.multipliers > 0 {
-        for k in 1..=task.multipliers.min(prepared.problem.dim() - 1) {
+        for k in 1..=task.multipliers.min(prepared.problem.dim().saturating_sub(1 + drifts(prepared, task))) {
             columns.push((format!("mu_{k}_re"), String::new()));
             columns.push((format!("mu_{k}_im"), String::new()));
         }
@@ -78,8 +78,13 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
     }
 }
 
+/// Drift velocities of the task's orbits.
+fn drifts(prepared: &Prepared, task: &scene::Cycles) -> usize {
+    if task.relative { prepared.problem.rotations().len() } else { 0 }
+}
+
 impl Cycles<'_> {
-    /// Period, frequency, extremes: the columns after the parameter.
+    /// Period, frequency, drift, extremes: the columns after the parameter.
     pub fn measure(&self, orbit: &Orbit, symmetry: &Reflection, p: &[f64]) -> Vec<f64> {
         measure(self.prepared, &*self.prepared.problem, orbit, symmetry, p)
     }
@@ -94,8 +99,8 @@ impl Cycles<'_> {
             counts.newton += rows.len();
         }
         for (point, row) in pending.iter().zip(rows) {
-            // The Hopf point itself is as stable as the first cycle.
-            if let [onset] = &mut self.branch.rows[..] {
+            // The Hopf point itself is as stable as the first cycle; a relative branch's first row is no such point.
+            if let (false, [onset]) = (self.task.relative, &mut self.branch.rows[..]) {
                 onset.stable = row.stable;
             }
             self.branch.rows.push(row);
@@ -114,7 +119,7 @@ impl Cycles<'_> {
         values.extend(measured.iter().copied().map(Some));
         let found = point.multipliers.as_ref();
         if self.task.multipliers > 0 {
-            for k in 0..self.task.multipliers.min(orbit.dim - 1) {
+            for k in 0..self.task.multipliers.min(orbit.dim.saturating_sub(1 + orbit.drift.len())) {
                 let mu = found.and_then(|m| m.values.get(k));
                 values.extend([mu.map(|mu| mu.re), mu.map(|mu| mu.im)]);
             }
@@ -172,6 +177,10 @@ impl Cycles<'_> {
             ("gauss_free".to_owned(), vector(vec![f64::from(u8::from(self.task.gauss)), frame.free as f64])),
             ("parameters".to_owned(), vector(resolved.clone())),
         ]);
+        if !orbit.drift.is_empty() {
+            arrays.insert("drift".to_owned(), vector(orbit.drift.clone()));
+            arrays.insert("tangent_drift".to_owned(), vector(tangent.drift.clone()));
+        }
         arrays.extend(cosine.map(|cosine| ("critical".to_owned(), vector(vec![cosine]))));
         let (short, label) = labels(&self.branch, kind);
         let list = self.prepared.problem.parameters();

@@ -1,0 +1,118 @@
+//! A cycle that a motion has settled on, as branches of cycles store theirs.
+
+use super::{Simulation, TaskError};
+use crate::branch::{Array, Kind};
+use crate::continuation::Counts;
+use crate::orbit::{Points, Scheme};
+use crate::problem::Problem;
+use crate::simulate::{Control, Course, Cycle, Motion, SimulateError, integrate};
+use std::ops::ControlFlow;
+
+/// The mesh of the stored cycle.
+const INTERVALS: usize = 40;
+const DEGREE: usize = 4;
+/// Where its speed is looked at.
+const LOOKS: usize = 800;
+/// No interval is wider than it would be with this part of the mean speed.
+const FLOOR: f64 = 0.2;
+
+impl Simulation<'_> {
+    /// Stores the cycle as a point: one more period, sampled at the nodes of a mesh with equal shares of its length.
+    pub fn cycle(&mut self, cycle: &Cycle, p: &[f64]) -> Result<(), TaskError> {
+        let problem = &*self.prepared.problem;
+        let looks: Vec<f64> = (0..=LOOKS).map(|k| k as f64 / LOOKS as f64).collect();
+        let mut counts = self.counts;
+        let seen = sample(problem, cycle, p, &self.control, &looks, &mut counts)?;
+        let mesh = mesh(&seen);
+        let scheme = Scheme::new(Points::Radau, DEGREE);
+        let mut places: Vec<f64> = mesh
+            .windows(2)
+            .flat_map(|w| scheme.nodes[..DEGREE].iter().map(|x| w[0] + x * (w[1] - w[0])).collect::<Vec<f64>>())
+            .collect();
+        places.push(1.0);
+        let mut nodes = sample(problem, cycle, p, &self.control, &places, &mut counts)?;
+        self.counts = counts;
+        // The cycle closes to the integrator's error; stored ones close exactly.
+        if let [first, .., last] = &mut nodes[..] {
+            last.u.clone_from(&first.u);
+        }
+        let n = cycle.at.len();
+        let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
+        let state = Array { shape: vec![nodes.len(), n], data: nodes.iter().flat_map(|node| node.u.clone()).collect() };
+        let mut point = self.point(Kind::LC, p, &cycle.at);
+        // A motion knows nothing of its neighbours at other parameters.
+        let tangent = Array { shape: state.shape.clone(), data: vec![0.0; state.data.len()] };
+        point.arrays.extend([
+            ("tangent".to_owned(), tangent),
+            ("tangent_part_lambda".to_owned(), vector(vec![0.0, 1.0])),
+            ("state".to_owned(), state),
+            ("mesh".to_owned(), vector(mesh)),
+            ("degree_parts".to_owned(), vector(vec![DEGREE as f64, 1.0])),
+            ("part".to_owned(), vector(vec![cycle.period])),
+            ("gauss_free".to_owned(), vector(vec![0.0, self.prepared.free as f64])),
+        ]);
+        let list = problem.observables();
+        let names =
+            self.prepared.observables.iter().flat_map(|&i| ["max", "min"].map(|e| format!("{e} {}", list[i].name)));
+        let names = std::iter::once("period".to_owned()).chain(names);
+        let ranges = cycle.ranges.iter().flat_map(|range| [range.max, range.min]);
+        let numbers = std::iter::once(cycle.period).chain(ranges).zip(&cycle.errors);
+        for (name, (value, error)) in names.zip(numbers) {
+            if value.is_finite() {
+                point.values.insert(name.clone(), value);
+            }
+            if self.task.along.errors && error.is_finite() {
+                point.errors.insert(name, *error);
+            }
+        }
+        point.values.insert("t".to_owned(), cycle.time);
+        let frequency = 1.0 / cycle.period;
+        point.values.insert("frequency".to_owned(), frequency);
+        if let Some(error) = point.errors.get("period").copied() {
+            point.errors.insert("frequency".to_owned(), error * frequency * frequency);
+        }
+        self.store(point);
+        Ok(())
+    }
+}
+
+/// The motion over one period, at increasing parts of it from 0 to 1.
+fn sample(
+    problem: &dyn Problem,
+    cycle: &Cycle,
+    p: &[f64],
+    control: &Control,
+    parts: &[f64],
+    counts: &mut Counts,
+) -> Result<Vec<Motion>, SimulateError> {
+    let course = Course::steady(0.0, cycle.period, p);
+    let mut seen: Vec<Motion> = Vec::with_capacity(parts.len());
+    integrate(problem, &cycle.at, &course, control, counts, &mut |step| {
+        while let Some(part) = parts.get(seen.len()).filter(|part| **part * cycle.period <= step.to.t) {
+            seen.push(step.at(part * cycle.period));
+        }
+        ControlFlow::Continue(())
+    })?;
+    Ok(seen)
+}
+
+/// Intervals of equal length along the cycle, as far as the floor allows.
+fn mesh(seen: &[Motion]) -> Vec<f64> {
+    let speed = |motion: &Motion| motion.v.iter().map(|v| v * v).sum::<f64>().sqrt();
+    let speeds: Vec<f64> = seen.windows(2).map(|pair| 0.5 * (speed(&pair[0]) + speed(&pair[1]))).collect();
+    let mean = speeds.iter().sum::<f64>() / speeds.len() as f64;
+    let shares: Vec<f64> = speeds.iter().map(|s| s.max(FLOOR * mean)).collect();
+    let total: f64 = shares.iter().sum();
+    let width = 1.0 / shares.len() as f64;
+    let (mut mesh, mut before, mut j) = (vec![0.0], 0.0, 0);
+    for k in 1..INTERVALS {
+        let goal = total * k as f64 / INTERVALS as f64;
+        while before + shares[j] < goal && j + 1 < shares.len() {
+            before += shares[j];
+            j += 1;
+        }
+        mesh.push((j as f64 + (goal - before) / shares[j]) * width);
+    }
+    mesh.push(1.0);
+    mesh
+}

@@ -1,0 +1,313 @@
+//! A simulation as a task: a motion in time, or what motions settle on over a parameter.
+
+mod cycle;
+
+use super::outcome::{Outcome, Status, labels};
+use super::start;
+use super::study::Prepared;
+use super::watch::{Watch, interrupted};
+use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
+use crate::continuation::Counts;
+use crate::linalg::pencil;
+use crate::problem::{At, Problem};
+use crate::scene;
+use crate::simulate::{Attractor, Control, Course, Method, Motion, Search, Settled, SimulateError, settle};
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::time::Instant;
+use thiserror::Error;
+
+/// Quantities that special points have besides their columns.
+pub const VALUES: [&str; 5] = ["t", "period", "frequency", "rotation", "deviation"];
+
+#[derive(Debug, Error)]
+enum TaskError {
+    #[error("the start of {0} has no state")]
+    Stored(String),
+    #[error("start has {found} numbers, but the model has {wanted} unknowns")]
+    Length { found: usize, wanted: usize },
+    #[error("the perturbation's eigenmode could not be computed at the start")]
+    Mode,
+    #[error(transparent)]
+    Simulate(#[from] SimulateError),
+}
+
+struct Simulation<'a> {
+    prepared: &'a Prepared,
+    task: &'a scene::Simulate,
+    watch: &'a Watch,
+    control: Control,
+    branch: Branch,
+    counts: Counts,
+}
+
+/// A branch without rows: its columns are what the task asks for.
+pub fn empty(prepared: &Prepared, name: &str, task: &scene::Simulate) -> Branch {
+    let list = prepared.problem.observables();
+    let time = prepared.problem.time_unit().to_owned();
+    let parameter = (prepared.free_name.clone(), prepared.free_unit.clone());
+    let mut columns = Vec::new();
+    if task.over.is_some() {
+        columns.extend([parameter, ("period".to_owned(), time)]);
+        for &i in &prepared.observables {
+            columns
+                .extend(["max", "min"].map(|extreme| (format!("{extreme} {}", list[i].name), list[i].unit.to_owned())));
+        }
+        if task.along.errors {
+            let errors: Vec<_> =
+                columns[1..].iter().map(|(name, unit)| (format!("error {name}"), unit.clone())).collect();
+            columns.extend(errors);
+        }
+    } else {
+        columns.push(("t".to_owned(), time));
+        columns.extend(task.ramp.is_some().then_some(parameter));
+        columns.extend(prepared.observables.iter().map(|&i| (list[i].name.to_owned(), list[i].unit.to_owned())));
+    }
+    let free = vec![columns[0].0.clone()];
+    let columns = columns.into_iter().map(|(name, unit)| Column { name, unit }).collect();
+    Branch {
+        name: name.to_owned(),
+        kind: BranchKind::Simulation,
+        free,
+        columns,
+        rows: Vec::new(),
+        points: Vec::new(),
+        triangles: Vec::new(),
+    }
+}
+
+pub fn run(
+    prepared: &Prepared,
+    name: &str,
+    task: &scene::Simulate,
+    from: Option<&SpecialPoint>,
+    watch: &Watch,
+) -> Outcome {
+    let begun = Instant::now();
+    let method = if task.sdirk { Method::Sdirk } else { Method::Bdf };
+    let control = Control { method, tolerance: task.tolerance, absolute: task.absolute };
+    let branch = empty(prepared, name, task);
+    let mut simulation = Simulation { prepared, task, watch, control, branch, counts: Counts::default() };
+    let ended = simulation.start(from).and_then(|(u, p)| match &task.over {
+        Some((_, values)) => simulation.diagram(u, p, values),
+        None => simulation.series(&u, &p),
+    });
+    let (status, reason) = ended.unwrap_or_else(|error| (Status::Failed, error.to_string()));
+    let Simulation { branch, counts, .. } = simulation;
+    Outcome { branch, status, reason, seconds: begun.elapsed().as_secs_f64(), counts }
+}
+
+impl Simulation<'_> {
+    /// State and parameters at the beginning.
+    fn start(&self, from: Option<&SpecialPoint>) -> Result<(Vec<f64>, Vec<f64>), TaskError> {
+        let problem = &*self.prepared.problem;
+        let n = problem.dim();
+        let stored = match from {
+            Some(point) => {
+                let stored = start::equilibrium(self.prepared, point).filter(|(u, _)| u.len() >= n);
+                Some(stored.ok_or_else(|| TaskError::Stored(point.label.clone()))?)
+            }
+            None => None,
+        };
+        let mut p = stored.as_ref().map_or_else(|| self.prepared.p.clone(), |(_, p)| p.clone());
+        let position = |name: &str| problem.parameters().iter().position(|q| q.name == name);
+        let first = self.task.ramp.iter().map(|(name, ends)| (name, ends[0]));
+        let over = self.task.over.iter().filter_map(|(name, values)| Some((name, *values.first()?)));
+        for (name, value) in self.task.parameters.iter().map(|(name, value)| (name, *value)).chain(first).chain(over) {
+            if let Some(i) = position(name) {
+                p[i] = value;
+            }
+        }
+        // A cycle's first node is one of its states.
+        let mut u = match (&self.task.start, stored) {
+            (Some((start, _)), _) => start.clone(),
+            (None, Some((u, _))) => u[..n].to_vec(),
+            (None, None) => problem.start(&p),
+        };
+        if u.len() != n {
+            return Err(TaskError::Length { found: u.len(), wanted: n });
+        }
+        if let Some(amplitude) = self.task.amplitude {
+            let mode = match from.and_then(|point| point.arrays.get("q_re")) {
+                Some(mode) if mode.data.len() == n => mode.data.clone(),
+                _ => leading(problem, &u, &p).ok_or(TaskError::Mode)?,
+            };
+            let largest = mode.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            if largest.is_nan() || largest <= 0.0 {
+                return Err(TaskError::Mode);
+            }
+            u.iter_mut().zip(&mode).for_each(|(u, q)| *u += amplitude * q / largest);
+        }
+        Ok((u, p))
+    }
+
+    fn observe(&self, i: usize, motion: &Motion, p: &[f64]) -> Option<f64> {
+        let value = self.prepared.problem.observe(i, At { u: &motion.u, v: &motion.v, p });
+        value.is_finite().then_some(value)
+    }
+
+    /// One motion, sampled.
+    fn series(&mut self, u: &[f64], p: &[f64]) -> Result<(Status, String), TaskError> {
+        let [from, to] = self.task.time;
+        let mut course = Course::steady(from, to, p);
+        if let Some((_, ends)) = &self.task.ramp {
+            course.last[self.prepared.free] = ends[1];
+        }
+        let samples = self.task.samples;
+        let moment = |k: usize| if k == samples { to } else { from + (to - from) * k as f64 / samples as f64 };
+        let (mut rows, mut stopped) = (Vec::new(), false);
+        let this = &*self;
+        let row = |motion: &Motion| {
+            let p = course.parameters(motion.t);
+            let mut values = vec![Some(motion.t)];
+            values.extend(this.task.ramp.is_some().then(|| Some(p[this.prepared.free])));
+            values.extend(this.prepared.observables.iter().map(|&i| this.observe(i, motion, &p)));
+            Row { label: None, stable: None, values }
+        };
+        let search = Search {
+            observables: &self.prepared.observables,
+            recognise: self.task.ramp.is_none(),
+            stop: false,
+            errors: self.task.along.errors,
+        };
+        let mut counts = self.counts;
+        let mut see = |step: &crate::simulate::Step| {
+            while rows.len() <= samples && moment(rows.len()) <= step.to.t {
+                rows.push(row(&step.at(moment(rows.len()))));
+            }
+            this.watch.at((step.to.t - from) / (to - from), format!("t = {:.6}", step.to.t));
+            stopped = interrupted();
+            if stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let problem = &*self.prepared.problem;
+        let settled = settle(problem, u, (&course, &self.control), &search, &mut counts, &mut see);
+        self.counts = counts;
+        // What was seen before a failure is kept.
+        self.branch.rows = rows;
+        let settled = settled?;
+        if stopped {
+            return Ok((Status::Interrupted, "interrupted".to_owned()));
+        }
+        let p = course.parameters(settled.last.t);
+        let reason = self.name(&settled)?;
+        let mut end = self.point(Kind::EP, &p, &settled.last.u);
+        end.values.insert("t".to_owned(), settled.last.t);
+        for &i in &self.prepared.observables {
+            let name = self.prepared.problem.observables()[i].name.to_owned();
+            end.values.extend(self.observe(i, &settled.last, &p).map(|value| (name, value)));
+        }
+        if let Attractor::Torus(ring) = &settled.attractor {
+            end.values.extend([("rotation".to_owned(), ring.rotation), ("deviation".to_owned(), ring.deviation)]);
+        }
+        self.store(end);
+        if let Attractor::Cycle(cycle) = &settled.attractor {
+            self.cycle(cycle, &p)?;
+        }
+        Ok((Status::Done, reason))
+    }
+
+    /// Motions at one value after another, each from where the last one ended.
+    fn diagram(&mut self, mut u: Vec<f64>, mut p: Vec<f64>, values: &[f64]) -> Result<(Status, String), TaskError> {
+        let [from, to] = self.task.time;
+        let mut reasons: Vec<String> = Vec::new();
+        for (k, &value) in values.iter().enumerate() {
+            p[self.prepared.free] = value;
+            let course = Course::steady(from, to, &p);
+            let search = Search {
+                observables: &self.prepared.observables,
+                recognise: true,
+                stop: true,
+                errors: self.task.along.errors,
+            };
+            self.watch.at(k as f64 / values.len() as f64, format!("{} = {value:.6}", self.prepared.free_name));
+            let mut stopped = false;
+            let mut see = |_: &crate::simulate::Step| {
+                stopped = interrupted();
+                if stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let problem = &*self.prepared.problem;
+            let settled = settle(problem, &u, (&course, &self.control), &search, &mut self.counts, &mut see);
+            let settled = match settled {
+                Ok(settled) => settled,
+                Err(error) => {
+                    let reason = format!("at {} = {value}: {error}", self.prepared.free_name);
+                    return Ok((Status::Failed, reason));
+                }
+            };
+            if stopped {
+                return Ok((Status::Interrupted, "interrupted".to_owned()));
+            }
+            let finite = |x: f64| x.is_finite().then_some(x);
+            let mut row = vec![Some(value)];
+            let cycle = if let Attractor::Cycle(cycle) = &settled.attractor { Some(cycle) } else { None };
+            row.push(cycle.map(|cycle| cycle.period));
+            row.extend(settled.ranges.iter().flat_map(|range| [finite(range.max), finite(range.min)]));
+            if self.task.along.errors {
+                let count = 1 + 2 * settled.ranges.len();
+                row.extend((0..count).map(|k| cycle.and_then(|cycle| finite(cycle.errors[k]))));
+            }
+            row.resize(self.branch.columns.len(), None);
+            self.branch.rows.push(Row { label: None, stable: None, values: row });
+            reasons.push(self.name(&settled)?);
+            if let Attractor::Cycle(cycle) = &settled.attractor {
+                self.cycle(cycle, &p)?;
+            }
+            u = settled.last.u;
+        }
+        let end = self.point(Kind::EP, &p, &u);
+        self.store(end);
+        reasons.dedup();
+        Ok((Status::Done, reasons.pop().unwrap_or_default()))
+    }
+
+    /// What was recognised, in a sentence.
+    fn name(&self, settled: &Settled) -> Result<String, TaskError> {
+        let unit = self.prepared.problem.time_unit();
+        Ok(match &settled.attractor {
+            Attractor::Steady => "settled on a steady state".to_owned(),
+            Attractor::Cycle(cycle) => {
+                format!("settled on a cycle of period {:.9} {unit}", cycle.period).trim_end().to_owned()
+            }
+            Attractor::Torus(ring) => format!(
+                "{} returns lie on a closed curve to {:.1e} of its size: the motion looks quasi-periodic, with {:.6} turns \
+                 a return",
+                ring.returns, ring.deviation, ring.rotation
+            ),
+            Attractor::Open { returns } => {
+                format!("reached the end of the time without settling ({returns} returns to the last section)")
+            }
+            Attractor::Unknown => "reached the end of the time".to_owned(),
+        })
+    }
+
+    /// A point of the last row.
+    fn point(&self, kind: Kind, p: &[f64], u: &[f64]) -> SpecialPoint {
+        let (_, label) = labels(&self.branch, kind);
+        let mut point = SpecialPoint::new(label, kind, self.branch.rows.len().saturating_sub(1));
+        let resolved = self.prepared.problem.resolve(p);
+        let list = self.prepared.problem.parameters();
+        point.parameters = list.iter().zip(&resolved).map(|(q, &x)| (q.name.to_owned(), x)).collect();
+        let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
+        point.arrays =
+            BTreeMap::from([("state".to_owned(), vector(u.to_vec())), ("parameters".to_owned(), vector(resolved))]);
+        point
+    }
+
+    fn store(&mut self, point: SpecialPoint) {
+        if let Some(row) = self.branch.rows.get_mut(point.row) {
+            let short = point.label.rsplit('/').next().unwrap_or_default().to_owned();
+            row.label.get_or_insert(short);
+        }
+        self.branch.points.push(point);
+    }
+}
+
+/// The real part of the rightmost eigenvector.
+fn leading(problem: &dyn Problem, u: &[f64], p: &[f64]) -> Option<Vec<f64>> {
+    let rest = vec![0.0; u.len()];
+    let (a, m) = problem.linearised(At { u, v: &rest, p });
+    let shift = a.norm_max() / m.norm_max();
+    let pairs = pencil(a.as_ref(), m.as_ref(), shift, 1).ok()?;
+    let vector = &pairs.first()?.vector;
+    Some(vector.iter().map(|q| q.re).collect())
+}

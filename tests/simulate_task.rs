@@ -1,0 +1,128 @@
+//! Simulations as tasks of scenes, and against the collocated cycle.
+
+mod common;
+
+use common::{Cycle, Flagellum, close, refused};
+use hopfline::branch::Kind;
+use hopfline::continuation::Counts;
+use hopfline::models::{Law, Load};
+use hopfline::orbit::Orbit;
+use hopfline::run::{RunOptions, Summary, run};
+use hopfline::scene::Scene;
+use hopfline::simulate::{Attractor, Control, Course, Method, Search, settle};
+use std::ops::ControlFlow;
+use std::path::Path;
+
+fn ran(sets: &[&str], out: &Path, only: &[&str]) -> Summary {
+    let sets: Vec<String> = sets.iter().map(|s| (*s).to_owned()).collect();
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("problems/simulation.toml");
+    let only = only.iter().map(|s| (*s).to_owned()).collect();
+    let options = RunOptions { out: out.to_owned(), only, resume: false, quiet: true };
+    run(&Scene::load(&path, &sets).expect("a scene"), &options).expect("a run")
+}
+
+#[test]
+fn the_scene_meets_its_expectations_and_stores_a_cycle() {
+    let out = tempfile::tempdir().unwrap();
+    let summary = ran(&[], out.path(), &[]);
+    assert!(summary.expect.iter().all(|expected| expected.met), "{:?}", summary.expect);
+    let cycle = summary.points.iter().find(|point| point.label == "motion/LC1").expect("a cycle");
+    assert_eq!(cycle.kind, Kind::LC);
+    let (period, error) = (cycle.values["period"], cycle.errors["period"]);
+    assert!((period - 6.663_286_859_323_13).abs() <= 2.0 * error && error < 1e-6, "{period} {error}");
+    // The stored arrays are those of a cycle: a piecewise polynomial whose slope is the equations' right side.
+    let arrays = hopfline::branch::read_arrays(&out.path().join("simulation/points/motion/LC1.npz")).expect("arrays");
+    let array = |name: &str| arrays[name].data.clone();
+    let orbit = Orbit {
+        mesh: array("mesh"),
+        points: hopfline::orbit::Points::Radau,
+        degree: array("degree_parts")[0] as usize,
+        nodes: array("state"),
+        dim: 2,
+        part: array("part")[0],
+        parts: array("degree_parts")[1] as usize,
+        drift: Vec::new(),
+    };
+    assert_eq!(orbit.nodes.len(), 2 * (orbit.intervals() * orbit.degree + 1));
+    let scheme = orbit.scheme();
+    for tau in orbit.mesh.windows(2).map(|w| 0.5 * (w[0] + w[1])) {
+        let (u, v) = orbit.at(tau, &scheme);
+        let rate = (1.0 - u[0] * u[0]) * u[1] - u[0];
+        assert!((v[0] - u[1]).abs() < 1e-3 && (v[1] - rate).abs() < 1e-2, "at {tau}: {u:?} {v:?}");
+    }
+    // As many rows as were asked for, all numbers.
+    let table = std::fs::read_to_string(out.path().join("simulation/branches/motion.csv")).unwrap();
+    assert!(!table.to_lowercase().contains("nan") && table.lines().count() > 1001);
+}
+
+#[test]
+fn a_ramp_is_seen_in_its_column() {
+    let out = tempfile::tempdir().unwrap();
+    let sets = ["task.motion.ramp={ mu = [0.5, 1.5] }", "task.motion.samples=10", "task.motion.tolerance=1e-6"];
+    let summary = ran(&sets, out.path(), &["motion"]);
+    let end = summary.points.iter().find(|point| point.label == "motion/EP1").expect("an end");
+    close("mu", end.parameters["mu"], 1.5, 1e-15);
+    assert!(!summary.points.iter().any(|point| point.kind == Kind::LC));
+}
+
+#[test]
+fn bad_keys_and_values_are_refused() {
+    for (set, wanted) in [
+        ("task.motion.start=[0.1]", "start has 1 numbers, but the model has 2 unknowns"),
+        ("task.motion.time=[1, 0]", "time"),
+        ("task.motion.method=\"euler\"", "bdf"),
+        ("task.motion.tolerance=1", "tolerance"),
+        ("task.motion.ramp={ nu = [0, 1] }", "nu"),
+        ("task.motion.ramp={ mu = [0] }", "two numbers"),
+        ("task.settled.over={ mu = [] }", "at least one number"),
+        ("task.settled.ramp={ mu = [0, 1] }", "keep one"),
+        ("task.settled.start=[0, 0]", "keep one"),
+        ("task.settled.from=\"motion/HB1\"", "EP1"),
+        ("task.settled.parameters={ mu = 1 }", "mu"),
+    ] {
+        refused("simulation", &[set], wanted);
+    }
+}
+
+#[test]
+fn a_flagellum_from_nearly_straight_settles_on_the_collocated_cycle() {
+    const LOAD: f64 = 360.0;
+    let model = Flagellum::new(12, Load::Uniform, Law::Printed).with("p", LOAD);
+    let cycles = model.cycles(345.0, &[LOAD], (24, 5));
+    let Cycle { orbit, deflection, .. } = &cycles[0];
+    let mode = model.hopf(345.0, 0).q;
+    let largest = mode.iter().fold(0.0_f64, |most, q| most.max(q.re.abs()));
+    let start: Vec<f64> = mode.iter().map(|q| 0.2 * q.re / largest).collect();
+    let course = Course::steady(0.0, 80.0 * orbit.period(), &model.p);
+    let control = Control { method: Method::Bdf, tolerance: 1e-9, absolute: 1e-9 };
+    let search =
+        Search { observables: &[model.observable("tip_deflection")], recognise: true, stop: true, errors: false };
+    let mut counts = Counts::default();
+    let see = &mut |_: &hopfline::simulate::Step| ControlFlow::Continue(());
+    let settled = settle(&*model.problem, &start, (&course, &control), &search, &mut counts, see).expect("a motion");
+    let Attractor::Cycle(cycle) = settled.attractor else { panic!("{:?}", settled.attractor) };
+    close("frequency", 1.0 / cycle.period, 1.0 / orbit.period(), 1e-6);
+    close("largest tip deflection", cycle.ranges[0].max, *deflection, 1e-6);
+}
+
+#[test]
+fn cycles_start_from_a_simulation() {
+    let home = tempfile::tempdir().unwrap();
+    let scene =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("problems/simulation.toml")).unwrap();
+    let (tasks, _) = scene.split_once("[expect]").expect("expectations");
+    let followed = "[[task]]\nname = \"followed\"\nkind = \"cycles\"\nfrom = \"motion/LC1\"\nfree = \"mu\"\nrange = [0.5, 1.5]\n\
+                    values = { mu = [0.8] }\n";
+    let path = home.path().join("followed.toml");
+    let born =
+        tasks.replace("range = [-0.2, 1]\n\n[[figure]]", "range = [-0.2, 1]\nvalues = { mu = [0.8] }\n\n[[figure]]");
+    std::fs::write(&path, born + followed).unwrap();
+    let options = RunOptions { out: home.path().join("out"), only: Vec::new(), resume: false, quiet: true };
+    let summary = run(&Scene::load(&path, &[]).expect("a scene"), &options).expect("a run");
+    let period = |label: &str| {
+        let point = summary.points.iter().find(|point| point.label == label);
+        let reasons: Vec<&str> = summary.tasks.iter().map(|task| task.reason.as_str()).collect();
+        point.unwrap_or_else(|| panic!("no {label}: {reasons:?}")).values["period"]
+    };
+    close("period", period("followed/UZ1"), period("cycles/UZ1"), 1e-6);
+}
