@@ -6,7 +6,7 @@ use common::brusselator::Brusselator;
 use common::{close, near, parameter};
 use hopfline::bifurcation::{ALL_EIGENVALUES, Coordinate, Equilibria, HopfNormalForm, Mark, Sample, Spectra, folds};
 use hopfline::continuation::{Border, Counts, StepControl, Walk, correct};
-use hopfline::linalg::{Pattern, Structure, c64, leading, nearest};
+use hopfline::linalg::{Matrix, Pattern, Structure, c64, leading, nearest};
 use hopfline::problem::{At, Automatic, Formula, Parameter, Problem, Scalar, check_derivatives};
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -160,6 +160,31 @@ fn eigenvalues_nearest_to_a_point() {
     assert!(leading(&gu, &gv, 10.0, 8).unwrap().bound.unwrap() < 1e-9);
 }
 
+/// Waves without damping: eigenvalues 100 i cos(k h), more along the axis than a few discs hold. A row of M without an entry
+/// leaves them without a bound.
+#[test]
+fn an_axis_that_is_not_covered_is_not_said_to_be() {
+    let n = 400;
+    let mut a = faer::Mat::<f64>::zeros(n, n);
+    for i in 1..n {
+        (a[(i, i - 1)], a[(i - 1, i)]) = (-50.0, 50.0);
+    }
+    let a = Matrix::Dense(a);
+    let mut m = faer::Mat::<f64>::identity(n, n);
+    let found = leading(&a, &Matrix::Dense(m.clone()), 1.0, 8).unwrap();
+    close("bound", found.bound.unwrap(), 100.0, 1e-12);
+    assert!(!found.complete() && found.covered < 100.0, "{}", found.covered);
+    // What is said to be covered is found.
+    let exact = (1..=n).map(|k| 100.0 * (PI * k as f64 / (n + 1) as f64).cos()).filter(|z| z.abs() < found.covered);
+    let off =
+        |z: f64| found.pairs.iter().map(|pair| (pair.value - c64::new(0.0, z)).norm()).fold(f64::INFINITY, f64::min);
+    let all: Vec<f64> = exact.map(off).collect();
+    assert!(all.len() >= 8 && all.iter().all(|off| *off < 1e-9), "{all:?}");
+    m[(0, 0)] = 0.0;
+    let found = leading(&a, &Matrix::Dense(m), 1.0, 8).unwrap();
+    assert!(found.bound.is_none() && !found.complete());
+}
+
 /// Brusselator on a line at its Hopf points: `L² = (Dx + Dy) m / (B - 1 - A²)`, m = 4 (N + 1)² sin²(pi / (2 (N + 1))).
 #[test]
 fn hopf_points_of_a_long_chain() {
@@ -185,6 +210,9 @@ fn hopf_points_of_a_long_chain() {
         }
     }
     let tool = Spectra::new(&still, 4, &mut samples, &mut counts).unwrap();
+    // The skew part is 5.45 + A^2 at most, and the discs reach as far.
+    let reach = tool.reach.unwrap();
+    assert!(reach.complete && reach.covered >= reach.bound.unwrap() && reach.bound.unwrap() > 2.1, "{reach:?}");
     tool.follow(&mut samples, &mut counts).unwrap();
     tool.hopf_points(&mut samples, &mut counts).unwrap();
     let found: Vec<_> = samples

@@ -25,7 +25,7 @@ mod zero_hopf;
 
 pub use bautin::Bautin;
 pub use bogdanov_takens::BogdanovTakens;
-pub use branch_point::{BranchError, BranchForm, BranchPoint, Scales, Tangent};
+pub use branch_point::{BranchCurve, BranchError, BranchForm, BranchPoint, Scales, Tangent};
 pub use branches::{Ambiguous, Followed, follow, settle};
 pub use calibration::{Analysis, Calibration, Fit, FitError, Lost, Place, Quantity, Target, Unknown};
 pub use coordinate::Coordinate;
@@ -40,5 +40,5 @@ pub use hopf_curve::{HopfCurve, Segment, Test, reverse};
 pub use hopf_surface::HopfSurface;
 pub use leading::{Leading, LeadingFailure, Line};
 pub use normal_form::HopfNormalForm;
-pub use spectra::{Mark, Sample, Spectra, leading};
+pub use spectra::{Mark, Reach, Sample, Spectra, leading};
 pub use zero_hopf::ZeroHopf;

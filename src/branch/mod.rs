@@ -24,6 +24,7 @@ pub enum BranchKind {
     Cycles,
     HopfCurve,
     FoldCurve,
+    BranchPointCurve,
     /// Folds, period doublings and torus bifurcations of cycles.
     LpcCurve,
     PdCurve,

@@ -28,6 +28,13 @@ pub struct Leading {
     pub bound: Option<f64>,
 }
 
+impl Leading {
+    /// Whether no eigenvalue on the axis can be missing.
+    pub fn complete(&self) -> bool {
+        self.covered >= self.bound.unwrap_or(f64::INFINITY)
+    }
+}
+
 /// Relative residual at which an eigenvalue counts as found.
 const TOLERANCE: f64 = 1e-12;
 const MOST_RESTARTS: usize = 100;

@@ -1,5 +1,6 @@
 //! From a scene to files: the only place that knows all the others.
 
+mod branch_curve;
 mod calibration;
 mod cycle_curve;
 mod cycles;
@@ -107,6 +108,7 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
                 // Any state will do.
                 TaskKind::Simulate(_) => {}
                 TaskKind::FoldCurve(_) => start::check_fold(scene, from, at)?,
+                TaskKind::BranchPointCurve(_) => start::check_branch_point(scene, from, at)?,
                 TaskKind::Equilibria(_) => start::check_equilibrium(scene, from, at)?,
                 TaskKind::LpcCurve(_) => start::check_cycle(scene, (from, at), "LPC", "a fold of cycles")?,
                 TaskKind::PdCurve(_) => start::check_cycle(scene, (from, at), "PD", "a period doubling")?,
@@ -223,6 +225,10 @@ fn perform(
         TaskKind::FoldCurve(curve) => match source(&curve.from) {
             Ok(from) => fold_curve::run(prepared, &task.name, curve, from, watch),
             Err(reason) => Outcome::failed(fold_curve::empty(prepared, &task.name, curve), reason),
+        },
+        TaskKind::BranchPointCurve(curve) => match source(&curve.from) {
+            Ok(from) => branch_curve::run(prepared, &task.name, curve, from, watch),
+            Err(reason) => Outcome::failed(branch_curve::empty(prepared, &task.name, curve), reason),
         },
         TaskKind::LpcCurve(curve) => cycle_curve((curve, Critical::Fold)),
         TaskKind::PdCurve(curve) => cycle_curve((curve, Critical::Flip)),

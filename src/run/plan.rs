@@ -82,6 +82,10 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 let _ = writeln!(out, "  computed: folds from {}, both ways along the curve", curve.from);
                 out += "  computed: points of codimension two (CP, BT, ZH)\n";
             }
+            TaskKind::BranchPointCurve(curve) => {
+                let _ = writeln!(out, "  computed: branch points from {}, both ways along the curve", curve.from);
+                out += "  computed: beta, which is zero where branches do cross\n";
+            }
             TaskKind::LpcCurve(curve) | TaskKind::PdCurve(curve) | TaskKind::NsCurve(curve) => {
                 let (what, points) = match task.kind {
                     TaskKind::LpcCurve(_) => ("folds of cycles", "CPC, R1, LPPD, LPNS"),
@@ -162,7 +166,10 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
             }
         }
         let of_cycles = matches!(task.kind, TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_));
-        let of_states = matches!(task.kind, TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::FoldCurve(_));
+        let of_states = matches!(
+            task.kind,
+            TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::FoldCurve(_) | TaskKind::BranchPointCurve(_)
+        );
         if of_cycles || of_states || matches!(task.kind, TaskKind::Cycles(_) | TaskKind::Simulate(_)) {
             let list = ready.study.observables();
             let wanted: Vec<&str> = prepared.observables.iter().map(|&i| list[i].name).collect();
@@ -184,6 +191,7 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 yes_no(true, "errors of cycles by a second run with ten times the tolerance".into(), "")
             }
             (true, TaskKind::FoldCurve(_)) => yes_no(false, estimates, "folds have none"),
+            (true, TaskKind::BranchPointCurve(_)) => yes_no(false, estimates, "curves of branch points have none"),
             (true, _) => yes_no(refined, estimates, "the model has no finer discretisation"),
         };
     }

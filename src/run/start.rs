@@ -91,6 +91,21 @@ pub fn check_fold(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneErro
     }
 }
 
+/// Curves of branch points start at one of a branch of equilibria.
+pub fn check_branch_point(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
+    let label = Label::parse(from);
+    let task = label.and_then(|label| owner(&scene.tasks, label.task));
+    match (label, task.map(|task| &task.kind)) {
+        (Some(Label { kind: "BP", .. }), Some(TaskKind::Equilibria(_) | TaskKind::Diagram(_))) => Ok(()),
+        _ => Err(scene.refuse(
+            at,
+            format!(
+                "the start must be a branch point, such as \"TASK/BP1\" of a task of kind \"equilibria\", not {from:?}"
+            ),
+        )),
+    }
+}
+
 /// Branches of equilibria start at any equilibrium.
 pub fn check_equilibrium(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
     let label = Label::parse(from);
@@ -101,6 +116,7 @@ pub fn check_equilibrium(scene: &Scene, from: &str, at: &Place) -> Result<(), Sc
             | TaskKind::Diagram(_)
             | TaskKind::HopfCurve(_)
             | TaskKind::FoldCurve(_)
+            | TaskKind::BranchPointCurve(_)
             | TaskKind::Calibration(_),
         ) => Ok(()),
         _ => Err(scene.refuse(

@@ -1,6 +1,6 @@
 //! A scene resolved against its model: the problem, its parameters, and what each task needs.
 
-use super::{cycle_curve, cycles, equilibria, fold_curve, hopf_curve, simulate, written};
+use super::{branch_curve, cycle_curve, cycles, equilibria, fold_curve, hopf_curve, simulate, written};
 use crate::linalg::Structure;
 use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
@@ -353,6 +353,7 @@ impl Study {
             TaskKind::NsCurve(_) => cycle_curve::values(Critical::Torus),
             TaskKind::HopfCurve(_) => &hopf_curve::VALUES,
             TaskKind::FoldCurve(_) => &fold_curve::VALUES,
+            TaskKind::BranchPointCurve(_) => &branch_curve::VALUES,
             TaskKind::Calibration(_) => &["omega", "frequency", "lyapunov", "dsigma_re", "dsigma_im"],
             TaskKind::Simulate(_) => &simulate::VALUES,
             TaskKind::Map(_) => &["growth", "omega", "frequency", "gap"],
@@ -403,6 +404,7 @@ impl Study {
             }
             TaskKind::HopfCurve(_)
             | TaskKind::FoldCurve(_)
+            | TaskKind::BranchPointCurve(_)
             | TaskKind::LpcCurve(_)
             | TaskKind::PdCurve(_)
             | TaskKind::NsCurve(_) => along.others.iter().map(|axis| axis.name.clone()).collect(),

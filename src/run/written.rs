@@ -1,6 +1,6 @@
 //! A scene's model as text: from the words of the scene to the model, and from the model's errors to their places.
 
-use super::{equilibria, fold_curve, hopf_curve};
+use super::{branch_curve, equilibria, fold_curve, hopf_curve};
 use crate::models::text::{self, Part, Text, TextError, Written, WrittenDefault, WrittenObservable, WrittenParameter};
 use crate::scene::{Fault, ModelText, Place, Scene, SceneError, TextValue, Words};
 use std::sync::Arc;
@@ -10,7 +10,7 @@ const COLUMNS: [&str; 8] = ["omega", "frequency", "lyapunov", "growth", "period"
 
 /// All names that results have and models must not.
 pub fn reserved() -> Vec<&'static str> {
-    let lists = [&COLUMNS[..], &equilibria::VALUES, &hopf_curve::VALUES, &fold_curve::VALUES];
+    let lists = [&COLUMNS[..], &equilibria::VALUES, &hopf_curve::VALUES, &fold_curve::VALUES, &branch_curve::VALUES];
     lists.into_iter().flatten().copied().collect()
 }
 
@@ -40,6 +40,7 @@ pub fn build(scene: &Scene, model: &ModelText) -> Result<Arc<Text>, SceneError> 
                 meaning: observable.meaning.clone(),
             })
             .collect(),
+        conserved: model.conserved.iter().map(|(name, words)| (name.clone(), words.text.clone())).collect(),
         symmetry: model.symmetry.as_ref().map(|words| words.text.clone()),
         rotations: model.rotations.iter().map(|words| words.text.clone()).collect(),
         time_unit: model.time_unit.clone(),
@@ -62,13 +63,17 @@ pub fn refuse(scene: &Scene, model: &ModelText, error: TextError) -> SceneError 
                 TextValue::Tie(words) => in_words(words),
                 TextValue::Number(_) => (parameter.at.clone(), None),
             },
-            None => nowhere,
+            None => (model.conserved.iter().find(|(known, _)| known == name))
+                .map_or(nowhere, |(_, words)| (words.at.clone(), None)),
         },
         Part::Start(name) => {
             model.start.iter().find(|(known, _)| known == name).map_or(nowhere, |(_, words)| in_words(words))
         }
         Part::Observable(name) => (model.observables.iter().find(|observable| observable.name == *name))
             .map_or(nowhere, |observable| in_words(&observable.expression)),
+        Part::Conserved(name) => {
+            model.conserved.iter().find(|(known, _)| known == name).map_or(nowhere, |(_, words)| in_words(words))
+        }
         Part::Rotation(k) => model.rotations.get(*k).map_or(nowhere, in_words),
         Part::Symmetry => model.symmetry.as_ref().map_or(nowhere, in_words),
     };

@@ -128,6 +128,7 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         (_, TaskKind::HopfCurve(_)) => Some(" (it follows Hopf points: only GH, BT, ZH, HH, UZ and EP)".to_owned()),
         ("CP" | "BT" | "ZH", TaskKind::FoldCurve(_)) => None,
         (_, TaskKind::FoldCurve(_)) => Some(" (it follows folds: only CP, BT, ZH, UZ and EP)".to_owned()),
+        (_, TaskKind::BranchPointCurve(_)) => Some(" (it follows branch points: only UZ and EP)".to_owned()),
         (_, TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_)) => {
             let found = found_on(&task.kind);
             (!found.contains(&kind)).then(|| format!(" (it finds only {}, UZ and EP)", found.join(", ")))

@@ -92,6 +92,8 @@ pub struct ModelText {
     pub parameters: Vec<TextParameter>,
     pub start: Vec<(String, Words)>,
     pub observables: Vec<TextObservable>,
+    /// Expressions that the flow keeps, by the parameter that is their value.
+    pub conserved: Vec<(String, Words)>,
     pub symmetry: Option<Words>,
     /// Quarter turns of continuous symmetries.
     pub rotations: Vec<Words>,
@@ -194,6 +196,7 @@ pub enum TaskKind {
     Cycles(Cycles),
     HopfCurve(Curve),
     FoldCurve(Curve),
+    BranchPointCurve(Curve),
     LpcCurve(Curve),
     PdCurve(Curve),
     NsCurve(Curve),
@@ -220,6 +223,7 @@ impl TaskKind {
             TaskKind::Cycles(_) => "cycles",
             TaskKind::HopfCurve(_) => "hopf-curve",
             TaskKind::FoldCurve(_) => "fold-curve",
+            TaskKind::BranchPointCurve(_) => "branch-point-curve",
             TaskKind::LpcCurve(_) => "lpc-curve",
             TaskKind::PdCurve(_) => "pd-curve",
             TaskKind::NsCurve(_) => "ns-curve",
@@ -235,7 +239,7 @@ impl TaskKind {
             TaskKind::Equilibria(task) => &task.along,
             TaskKind::Diagram(task) => &task.equilibria.along,
             TaskKind::Cycles(task) => &task.along,
-            TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => &task.along,
+            TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) | TaskKind::BranchPointCurve(task) => &task.along,
             TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => &task.along,
             TaskKind::Calibration(task) => &task.along,
             TaskKind::Map(task) => &task.along,
@@ -251,7 +255,9 @@ impl TaskKind {
             TaskKind::Simulate(task) => task.from.as_ref().map(|(from, at)| (from.as_str(), at)),
             TaskKind::Map(_) | TaskKind::Diagram(_) => None,
             TaskKind::Cycles(task) => Some((&task.from, &task.from_at)),
-            TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) => Some((&task.from, &task.from_at)),
+            TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) | TaskKind::BranchPointCurve(task) => {
+                Some((&task.from, &task.from_at))
+            }
             TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => {
                 Some((&task.from, &task.from_at))
             }
@@ -402,7 +408,7 @@ impl Cycles {
     }
 }
 
-/// `kind = "hopf-curve"`, `"fold-curve"`, `"lpc-curve"`, `"pd-curve"` or `"ns-curve"`.
+/// `kind = "hopf-curve"`, `"fold-curve"`, `"branch-point-curve"`, `"lpc-curve"`, `"pd-curve"` or `"ns-curve"`.
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// Two parameters; only the second must have a range.

@@ -8,7 +8,8 @@ use super::{
 };
 
 /// What a model as text may hold; every other key is the name of a whole number.
-const TEXT_KEYS: [&str; 7] = ["equations", "parameters", "start", "observables", "symmetry", "rotations", "time_unit"];
+const TEXT_KEYS: [&str; 8] =
+    ["equations", "parameters", "start", "observables", "conserved", "symmetry", "rotations", "time_unit"];
 
 pub(super) fn read(root: &Section<'_>) -> Result<ModelChoice, SceneError> {
     let Some(entry) = root.get("model") else {
@@ -57,6 +58,9 @@ fn written(section: &Section<'_>, equations: &Entry<'_>) -> Result<ModelChoice, 
             Ok((name.to_owned(), entry.words("a number or an expression in quotes")?))
         })?,
         observables: table(section, "observables", observable)?,
+        conserved: table(section, "conserved", |name, entry| {
+            Ok((name.to_owned(), entry.words("an expression in quotes, such as \"x + y\"")?))
+        })?,
         symmetry: match section.get("symmetry") {
             Some(entry) => Some(entry.words("a string such as \"x -> -x, y -> -y\"")?),
             None => None,

@@ -7,12 +7,13 @@ use super::tree::Content;
 use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, diagram, map, several};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 12] = [
+pub const TASK_KINDS: [&str; 13] = [
     "equilibria",
     "diagram",
     "cycles",
     "hopf-curve",
     "fold-curve",
+    "branch-point-curve",
     "lpc-curve",
     "pd-curve",
     "ns-curve",
@@ -77,6 +78,11 @@ pub(super) fn read(
         "fold-curve" => {
             section.allow("key of a fold-curve task", &CURVE)?;
             TaskKind::FoldCurve(several::curve(section, read, announced, "from = \"TASK/LP1\", a fold of the curve")?)
+        }
+        "branch-point-curve" => {
+            section.allow("key of a branch-point-curve task", &CURVE)?;
+            let example = "from = \"TASK/BP1\", a branch point of the curve";
+            TaskKind::BranchPointCurve(several::curve(section, read, announced, example)?)
         }
         kind @ ("lpc-curve" | "pd-curve" | "ns-curve") => {
             section.allow("key of a curve of cycles", &CURVE)?;

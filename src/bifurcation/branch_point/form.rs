@@ -1,7 +1,7 @@
 //! The normal form at a branch point.
 
 use super::{Place, Tangent};
-use crate::bifurcation::steady::{Steady, adjoint, positive, unit};
+use crate::bifurcation::steady::{Steady, positive, unit};
 use crate::linalg::{Matrix, Singular, dot};
 use crate::problem::{At, Direction};
 
@@ -13,6 +13,9 @@ use crate::problem::{At, Direction};
 /// b = -w^T D²G[(q, 0), (v, 1)],           c = -w^T D²G[q, q] / 2,
 /// d = -w^T ( D³G[q, q, q] + 3 D²G[q, h] ) / 6,       G_u h = -D²G[q, q]
 /// ```
+///
+/// Where zero is a double eigenvalue, as without damping, `w^T M q = 0`: then it is `x'' = ...` with `w^T M q_1 = 1`,
+/// `G_u q_1 = -M q`.
 ///
 /// (Kuznetsov 2004, doi:10.1007/978-1-4757-3978-7, sections 7.1 and 8.1; Golubitsky and Schaeffer 1985,
 /// doi:10.1007/978-1-4612-5034-0, chapter 2; written for the implicit form). The largest entry of q is positive.
@@ -27,6 +30,8 @@ pub struct BranchForm {
     pitchfork: bool,
 }
 
+/// `w^T M q` in parts of the vectors: less is zero.
+const DOUBLE: f64 = 1e-8;
 /// c in parts of d and the state's scale.
 const CUBIC: f64 = 1e-6;
 
@@ -42,13 +47,19 @@ impl BranchForm {
         let (gu, _) = place.problem.matrices(at);
         let q = positive(&unit(q));
         let steady = Steady::structured(&gu, w, &q)?;
-        let w = adjoint(mass, &q, w);
+        let mut image = vec![0.0; n];
+        mass.times(&q, &mut image);
+        if dot(w, &image).abs() <= DOUBLE * (dot(w, w) * dot(&image, &image)).sqrt() {
+            let right: Vec<f64> = image.iter().map(|m| -m).collect();
+            let next = steady.solve(&right, 0.0);
+            mass.times(&next[..n], &mut image);
+        }
+        let product = dot(w, &image);
+        let w: Vec<f64> = w.iter().map(|w| w / product).collect();
         let along = Direction { u: &q, v: &[], p: &[] };
         let mut bent = vec![0.0; n];
         place.problem.derivative(at, &[along, along], &mut bent);
         let c = -0.5 * dot(&w, &bent);
-        let mut image = vec![0.0; n];
-        mass.times(&q, &mut image);
         let right: Vec<f64> = bent.iter().zip(&image).map(|(b, m)| -b - 2.0 * c * m).collect();
         let h = steady.solve(&right, 0.0);
         let (mut third, mut mixed) = (vec![0.0; n], vec![0.0; n]);

@@ -14,8 +14,10 @@
 //! only come close. Tangents T = Q t of the two curves solve the algebraic branching equation `w^T D²H[T, T] = 0`
 //! (Keller 1977, Applications of Bifurcation Theory, 359-384).
 
+mod curve;
 mod form;
 
+pub use curve::BranchCurve;
 pub use form::BranchForm;
 
 use super::steady::{size, unit};

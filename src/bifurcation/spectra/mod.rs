@@ -4,7 +4,7 @@ mod exceptional;
 
 use super::{BranchPoint, Equilibria, Fold, Followed, Hopf, HopfNormalForm, follow, settle};
 use crate::continuation::{Counts, Failure, Point, at_fraction, at_lambda};
-use crate::linalg::{Singular, c64, growth};
+use crate::linalg::{Leading, Singular, c64, growth};
 use exceptional::Meeting;
 use rayon::prelude::*;
 
@@ -45,6 +45,35 @@ pub struct Spectra<'a> {
     system: &'a Equilibria,
     wanted: usize,
     shift: f64,
+    /// How far along the imaginary axis none was missed, where not all eigenvalues are computed.
+    pub reach: Option<Reach>,
+}
+
+/// How far along the imaginary axis no eigenvalue was missed at any of the points of a branch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// All with an imaginary part of at most this size were found,
+    pub covered: f64,
+    /// and none can be higher than this, where it is known.
+    pub bound: Option<f64>,
+    pub complete: bool,
+}
+
+impl Reach {
+    /// None where all eigenvalues were computed.
+    fn of(found: &Leading) -> Option<Self> {
+        let partial = found.covered.is_finite();
+        partial.then(|| Self { covered: found.covered, bound: found.bound, complete: found.complete() })
+    }
+
+    /// What holds of both.
+    fn and(self, other: Self) -> Self {
+        Self {
+            covered: self.covered.min(other.covered),
+            bound: self.bound.zip(other.bound).map(|(a, b)| a.max(b)),
+            complete: self.complete && other.complete,
+        }
+    }
 }
 
 /// Halvings of a step before eigenvalues that cannot be told apart are settled by distance alone.
@@ -71,7 +100,7 @@ impl<'a> Spectra<'a> {
         samples: &mut [Sample],
         counts: &mut Counts,
     ) -> Result<Self, Failure> {
-        let mut tool = Self { system, wanted, shift: 1.0 };
+        let mut tool = Self { system, wanted, shift: 1.0, reach: None };
         // The shift: the size of the wanted eigenvalues, found by asking twice at both ends.
         for _ in 0..2 {
             let mut size = 0.0_f64;
@@ -81,11 +110,16 @@ impl<'a> Spectra<'a> {
             }
             tool.shift = if size > 0.0 { 1.5 * size } else { 1.0 };
         }
-        let tool = tool;
-        let spectra: Result<Vec<_>, _> =
-            samples.par_iter().map(|sample| tool.at(&sample.point, &mut Counts::default())).collect();
+        let of = |sample: &Sample| -> Result<(Vec<c64>, Option<Reach>), Failure> {
+            let found = system.leading(&sample.point.x, sample.point.lambda, tool.shift, tool.count(), 0)?;
+            let reach = Reach::of(&found);
+            Ok((tool.chosen(found), reach))
+        };
+        let spectra: Result<Vec<_>, _> = samples.par_iter().map(of).collect();
+        let spectra = spectra?;
         counts.spectra += samples.len();
-        for (sample, values) in samples.iter_mut().zip(spectra?) {
+        tool.reach = spectra.iter().filter_map(|(_, reach)| *reach).reduce(Reach::and);
+        for (sample, (values, _)) in samples.iter_mut().zip(spectra) {
             sample.values = values;
             if sample.values.is_empty() {
                 return Err(Singular.into());
@@ -108,13 +142,16 @@ impl<'a> Spectra<'a> {
     /// Of a system's eigenvalues the leading ones, and those of the same frequency: the other halves of two pairs that met
     /// on the axis decay fastest of all.
     fn looked_at(&self, system: &Equilibria, x: &[f64], lambda: f64) -> Result<Vec<c64>, Failure> {
-        let found = system.leading(x, lambda, self.shift, self.count(), 0)?;
+        Ok(self.chosen(system.leading(x, lambda, self.shift, self.count(), 0)?))
+    }
+
+    fn chosen(&self, found: Leading) -> Vec<c64> {
         let mut values: Vec<c64> = found.pairs.iter().map(|pair| pair.value).collect();
         let rest = values.split_off(values.len().min(self.count()));
         let alike = |z: &c64| z.im != 0.0 && values.iter().any(|w| (w.im - z.im).abs() <= SAME * z.norm());
         let halves: Vec<c64> = rest.into_iter().filter(alike).collect();
         values.extend(halves);
-        Ok(values)
+        values
     }
 
     /// The rightmost eigenvalue's vector.

@@ -9,7 +9,7 @@ use super::rows::{self, Row};
 use super::scope::{Cell, Local, Scope, Symbol};
 use super::tape::Tape;
 use super::unknowns::{self, Unknowns, defines};
-use super::{Part, TextError, Written, WrittenDefault, Wrong, symmetry};
+use super::{Part, TextError, Written, WrittenDefault, Wrong, conserved, symmetry};
 use crate::expression::{Expression, Function, Node, RESERVED, Statement, statement, statements, suggest};
 use crate::problem::{Bounds, Default, Observable, Parameter, Rotation};
 use std::sync::Arc;
@@ -19,6 +19,8 @@ const SMALL: usize = 12;
 
 /// Reads everything and checks it.
 pub fn build(written: &Written) -> Result<Arc<Text>, TextError> {
+    let declared = written.parameters.len();
+    let written = &conserved::with_parameters(written);
     check_names(written)?;
     let text = statements(&written.equations).map_err(|wrong| TextError::in_equations(wrong.into()))?;
     if text.is_empty() {
@@ -37,13 +39,14 @@ pub fn build(written: &Written) -> Result<Arc<Text>, TextError> {
     let mut equations = equations(&mut scope, &text).map_err(TextError::in_equations)?;
     rows::dependencies(&scope.graph, &mut equations).map_err(TextError::in_equations)?;
     count(&unknowns, &equations, written)?;
-    let rows = rows::assign(equations, n);
+    let mut rows = rows::assign(equations, n);
+    let quantities = conserved::replace(&mut scope, (written, declared), &unknowns, &mut rows)?;
     let structure = rows::structure(&rows).map_err(TextError::in_equations)?;
     let start = start(&mut scope, &unknowns, written, &starts)?;
     let (observables, measures) = observables(&mut scope, &unknowns, written)?;
     let tape = |outputs: &[Id]| Tape::new(&scope.graph, &unknowns.order, names.len(), outputs);
     let ids: Vec<Id> = rows.iter().map(|row| row.id).collect();
-    let text = Text {
+    let mut text = Text {
         parameters: parameters(written)?,
         residual: tape(&ids),
         start: tape(&start),
@@ -59,6 +62,7 @@ pub fn build(written: &Written) -> Result<Arc<Text>, TextError> {
         rows,
         graph: scope.graph,
     };
+    conserved::begin(&mut text, &unknowns.order, &quantities)?;
     let reflection = match &written.symmetry {
         None => None,
         Some(symmetry) => {

@@ -12,6 +12,7 @@
 //! [`Formula`](crate::problem::Formula): derivatives of all orders are exact.
 
 mod build;
+mod conserved;
 mod diagnosis;
 mod formula;
 mod graph;
@@ -48,6 +49,8 @@ pub struct Written {
     /// What an unknown starts at, by name: `x`, `u`, `u[i]`.
     pub start: Vec<(String, String)>,
     pub observables: Vec<WrittenObservable>,
+    /// Quantities that the flow keeps, by the name of the parameter that is their value.
+    pub conserved: Vec<(String, String)>,
     /// `x -> -x, y -> -y`
     pub symmetry: Option<String>,
     /// `x -> -y, y -> x`: quarter turns of continuous symmetries.
@@ -90,6 +93,7 @@ pub enum Part {
     Parameter(String),
     Start(String),
     Observable(String),
+    Conserved(String),
     Symmetry,
     Rotation(usize),
 }

@@ -156,6 +156,12 @@ fn unknown(text: &Text, name: &str) -> String {
     }
 }
 
+/// Numbers in (0.2, 0.8) without pattern.
+pub(super) fn scattered(seed: usize, count: usize) -> Vec<f64> {
+    let wave = |k: usize| 0.5 + 0.3 * (1.0 + 2.4 * k as f64 + 0.7 * (k as f64).sqrt()).sin();
+    (0..count).map(|i| wave(seed + 3 * i)).collect()
+}
+
 /// The equations at the image of a point must be, up to signs, the image of the equations at the point.
 fn check(text: &Text, reflection: &Reflection) -> Result<(), Wrong> {
     let n = text.names.len();
@@ -178,11 +184,10 @@ fn check(text: &Text, reflection: &Reflection) -> Result<(), Wrong> {
     Ok(())
 }
 
-/// Some u, v and p: numbers in (0.2, 0.8) without pattern.
+/// Some u, v and p.
 fn anywhere(text: &Text) -> [Vec<f64>; 3] {
-    let wave = |k: usize| 0.5 + 0.3 * (1.0 + 2.4 * k as f64 + 0.7 * (k as f64).sqrt()).sin();
-    let numbers = |seed: usize, count: usize| -> Vec<f64> { (0..count).map(|i| wave(seed + 3 * i)).collect() };
-    [numbers(0, text.names.len()), numbers(1000, text.names.len()), numbers(5000, text.parameters.len())]
+    let (n, m) = (text.names.len(), text.parameters.len());
+    [scattered(0, n), scattered(1000, n), scattered(5000, m)]
 }
 
 /// The equations must turn with the state: those of a pair as the pair, the others not at all.

@@ -130,7 +130,7 @@ impl Series<'_> {
     }
 
     fn stability_at(&self, row: usize) -> Stability {
-        if matches!(self.branch.kind, BranchKind::FoldCurve | BranchKind::LpcCurve) {
+        if matches!(self.branch.kind, BranchKind::FoldCurve | BranchKind::BranchPointCurve | BranchKind::LpcCurve) {
             return Stability::Neither;
         }
         match self.branch.rows.get(row).and_then(|r| r.stable) {

@@ -9,7 +9,7 @@ use super::outcome::{Outcome, Status, labels};
 use super::study::Prepared;
 use super::watch::Watch;
 use super::wave;
-use crate::bifurcation::{Equilibria, Mark, Sample, Spectra, branch_points, folds, leading};
+use crate::bifurcation::{Equilibria, Mark, Reach, Sample, Spectra, branch_points, folds, leading};
 use crate::branch::{Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Counts, Point, Stop};
 use crate::linalg::{c64, growth};
@@ -103,6 +103,10 @@ fn follow(
     } else {
         None
     };
+    let reach = spectra.as_ref().and_then(|tool| tool.reach);
+    if let Some(reach) = reach.filter(|reach| reach.complete) {
+        watch.say(format!("{}: {}", branch.name, checked(reach)));
+    }
     rows(prepared, &system, task, &samples, &mut branch);
     let marked: Vec<(usize, &Sample, Kind)> = (samples.iter().enumerate())
         .filter_map(|(row, sample)| Some((row, sample, kind(sample.mark.as_ref()?))))
@@ -128,7 +132,30 @@ fn follow(
         Stop::Stagnation { .. } => Status::Failed,
         Stop::RangeEnd | Stop::BoxEnd | Stop::Closed | Stop::MaxPoints => Status::Done,
     };
-    Ok(Outcome { branch, status, reason: stop.to_string(), seconds: 0.0, counts: *counts })
+    let mut reason = stop.to_string();
+    if let Some(reach) = reach.filter(|reach| !reach.complete) {
+        reason += &format!("; {}", checked(reach));
+    }
+    Ok(Outcome { branch, status, reason, seconds: 0.0, counts: *counts })
+}
+
+/// What is known of a large problem's eigenvalues on the imaginary axis, of which some are computed only.
+fn checked(Reach { covered, bound, complete }: Reach) -> String {
+    match bound {
+        Some(bound) if complete => {
+            format!(
+                "no eigenvalue on the imaginary axis was missed: discs cover it up to {bound:.3e}, and none is higher"
+            )
+        }
+        Some(bound) => format!(
+            "eigenvalues on the imaginary axis are sure to be found up to {covered:.3e} only, and may lie as high as \
+             {bound:.3e}; a larger spectrum covers more"
+        ),
+        None => format!(
+            "eigenvalues on the imaginary axis are sure to be found up to {covered:.3e} only (M is not symmetric and \
+             diagonally dominant, so that there is no bound); a larger spectrum covers more"
+        ),
+    }
 }
 
 /// Observables with the bounds in which the branch is followed.
