@@ -61,7 +61,7 @@ fn a_predator_invades_along_the_exact_line() {
     for order in ["[\"K\", \"d\"]", "[\"d\", \"K\"]"] {
         for logarithmic in ["", "log = [\"K\"]"] {
             let text = INVASION.replace("[\"K\", \"d\"]", order) + logarithmic;
-            let (summary, rows) = study(&text, ["K", "d", "beta"]).unwrap();
+            let (summary, rows) = study(&text, ["K", "d", "imperfection"]).unwrap();
             assert!(rows.len() > 20, "{} rows, {}", rows.len(), summary.tasks[1].reason);
             for [k, d, beta] in &rows {
                 assert!((d - k / (1.0 + k)).abs() < CORRECTED * 0.6 && beta.abs() < 1e-13, "{k} {d} {beta}");
@@ -102,7 +102,7 @@ range = { a = [-3, 3], mu = [-4, 4] }
 
 #[test]
 fn a_pitchfork_moves_along_the_exact_curve() {
-    let (summary, rows) = study(SYMMETRIC, ["mu", "a", "beta"]).unwrap();
+    let (summary, rows) = study(SYMMETRIC, ["mu", "a", "imperfection"]).unwrap();
     assert!(rows.len() > 20, "{} rows, {}", rows.len(), summary.tasks[1].reason);
     for [mu, a, beta] in &rows {
         assert!((mu - (a * a - a - a.powi(3) / 5.0)).abs() < CORRECTED * 8.0 && beta.abs() < 1e-13, "{mu} {a} {beta}");
@@ -133,14 +133,14 @@ from = "perfect/BP1"
 free = ["q", "mu"]
 range = { q = [-1, 1], mu = [-1, 1] }
 "#;
-    let (_, rows) = study(text, ["mu", "q", "beta"]).unwrap();
+    let (_, rows) = study(text, ["mu", "q", "imperfection"]).unwrap();
     assert!(rows.len() > 5);
     for [mu, q, beta] in &rows {
         assert!(mu.abs() < 1e-12 && (beta.abs() - q.abs()).abs() < 1e-12, "{mu} {q} {beta}");
     }
     assert!(rows.iter().any(|row| row[1] == -1.0) && rows.iter().any(|row| row[1] == 1.0));
     let refused = |text: &str, expected: &str| {
-        let error = study(text, ["mu", "q", "beta"]).map(|_| ()).unwrap_err();
+        let error = study(text, ["mu", "q", "imperfection"]).map(|_| ()).unwrap_err();
         assert!(error.contains(expected), "{error}");
     };
     refused(&text.replace("perfect/BP1", "perfect/EP1"), "the start must be a branch point");

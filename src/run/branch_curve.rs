@@ -15,7 +15,7 @@ use std::time::Instant;
 use thiserror::Error;
 
 /// Columns besides the parameters and observables: see [`BranchCurve::imperfection`].
-pub const VALUES: [&str; 1] = ["beta"];
+pub const VALUES: [&str; 1] = ["imperfection"];
 
 #[derive(Debug, Error)]
 enum CurveError {
