@@ -4,7 +4,6 @@ use super::{branch_curve, cycle_curve, cycles, equilibria, fold_curve, hopf_curv
 use crate::linalg::Structure;
 use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
-use crate::orbit::bifurcations::Critical;
 use crate::problem::{Automatic, Default, Observable, Problem, Tie, Tied};
 use crate::scene::{Expression, Fault, OptionValue, Place, Scene, SceneError, Task, TaskKind, Value, owner, units};
 use num_dual::{Dual64, HyperDual64};
@@ -348,9 +347,7 @@ impl Study {
             TaskKind::Equilibria(_) => &equilibria::VALUES,
             TaskKind::Diagram(_) => &[&equilibria::VALUES[..], &of_cycles[..]].concat(),
             TaskKind::Cycles(_) => &of_cycles,
-            TaskKind::LpcCurve(_) => cycle_curve::values(Critical::Fold),
-            TaskKind::PdCurve(_) => cycle_curve::values(Critical::Flip),
-            TaskKind::NsCurve(_) => cycle_curve::values(Critical::Torus),
+            TaskKind::CycleCurve(kind, _) => cycle_curve::values(kind),
             TaskKind::HopfCurve(_) => &hopf_curve::VALUES,
             TaskKind::FoldCurve(_) => &fold_curve::VALUES,
             TaskKind::BranchPointCurve(_) => &branch_curve::VALUES,
@@ -362,10 +359,7 @@ impl Study {
         let list = self.model.observables();
         let fitted = if let TaskKind::Calibration(task) = &task.kind { task.columns() } else { Vec::new() };
         let names: Vec<&str> = list.iter().map(|o| o.name).collect();
-        let periodic = matches!(
-            task.kind,
-            TaskKind::Cycles(_) | TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_)
-        );
+        let periodic = matches!(task.kind, TaskKind::Cycles(_) | TaskKind::CycleCurve(..));
         let (mut wanted, mut averages) = (BTreeSet::new(), BTreeSet::new());
         let mut note = |name: &str, at: &Place| -> Result<(), SceneError> {
             let base = name.strip_prefix("max ").or(name.strip_prefix("min ")).unwrap_or(name);
@@ -405,9 +399,7 @@ impl Study {
             TaskKind::HopfCurve(_)
             | TaskKind::FoldCurve(_)
             | TaskKind::BranchPointCurve(_)
-            | TaskKind::LpcCurve(_)
-            | TaskKind::PdCurve(_)
-            | TaskKind::NsCurve(_) => along.others.iter().map(|axis| axis.name.clone()).collect(),
+            | TaskKind::CycleCurve(..) => along.others.iter().map(|axis| axis.name.clone()).collect(),
             TaskKind::Calibration(_) | TaskKind::Map(_) | TaskKind::HopfSurface(_) | TaskKind::Simulate(_) => {
                 Vec::new()
             }

@@ -6,7 +6,7 @@
 
 use super::{BranchPoint, Critical, CriticalCycle, Event, Signs};
 use crate::bifurcation::Coordinate;
-use crate::continuation::{Corrected, Counts, Failure, Point, System, at_fraction, inner};
+use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, at_fraction, inner};
 use crate::linalg::Singular;
 use crate::orbit::{Collocation, Orbit, OrbitFactors};
 
@@ -18,6 +18,9 @@ const STEPS: usize = 3;
 const NEUTRAL: usize = 3;
 /// Converged points may lie outside the step by this part of it.
 const SLACK: f64 = 1e-6;
+/// A branch point is where the branch itself turns round if there lambda stands still to this part of its rate at the
+/// ends of the step.
+const VERTICAL: f64 = 1e-6;
 /// Branch points whose unfolding is larger, in units of the state, are where two branches pass each other.
 const PERFECT: f64 = 1e-4;
 
@@ -62,8 +65,12 @@ impl Segment<'_> {
         Ok((signs.value(event), signs.pair))
     }
 
-    /// Where an event happens; None for a neutral saddle, or if nothing converges within the step.
+    /// Where an event happens; None for a neutral saddle, for a branch that turns round at a pitchfork, which is no fold,
+    /// or if nothing converges within the step.
     pub fn locate(&self, event: Event, counts: &mut Counts) -> Result<Option<Located>, Failure> {
+        if event == Event::Fold && self.turns_at_branch_point(counts)? {
+            return Ok(None);
+        }
         let [a, b] = self.signs.map(|signs| signs.value(event));
         let nearest = if a.abs() < b.abs() { (self.from, a, self.signs[0]) } else { (self.to, b, self.signs[1]) };
         let (best, least, pair) = (nearest.0.clone(), nearest.1.abs(), nearest.2.pair);
@@ -85,6 +92,28 @@ impl Segment<'_> {
             }
         }
         Ok(None)
+    }
+
+    /// Whether lambda turns back at a branch point: there the determinant changes its sign too, at a fold it does not.
+    fn turns_at_branch_point(&self, counts: &mut Counts) -> Result<bool, Failure> {
+        let mut signs = self.signs.map(Clone::clone);
+        for (signs, point) in signs.iter_mut().zip([self.from, self.to]) {
+            // Folds alone are looked for without determinants.
+            if signs.branch == 0.0 {
+                let dual = self.system.dual(&point.tangent);
+                let border = Border { row: dual, lambda: self.system.dual_lambda() * point.tangent_lambda };
+                counts.factorisations += 1;
+                counts.spectra += 1;
+                let factors = self.system.factor(&point.x, point.lambda, &border)?;
+                *signs = Signs::new(point, &factors, &[Event::Branch]).map_err(|_| Singular)?;
+            }
+        }
+        if signs[0].branch * signs[1].branch > 0.0 {
+            return Ok(false);
+        }
+        let found = Segment { signs: [&signs[0], &signs[1]], ..*self }.locate(Event::Branch, counts)?;
+        let rate = self.from.tangent_lambda.abs().max(self.to.tangent_lambda.abs());
+        Ok(found.is_some_and(|found| found.point.tangent_lambda.abs() <= VERTICAL * rate))
     }
 
     /// A step of regula falsi; halving where the function is no more than a sign.
@@ -174,7 +203,7 @@ impl Located {
         let system = segment.system;
         counts.factorisations += 1;
         if self.branch.is_some() {
-            let border = crate::continuation::Border {
+            let border = Border {
                 row: system.dual(&self.point.tangent),
                 lambda: system.dual_lambda() * self.point.tangent_lambda,
             };

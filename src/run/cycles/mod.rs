@@ -156,7 +156,8 @@ impl Cycles<'_> {
         let mut behind = kept.as_mut().and_then(|kept| kept.behind.take());
         if behind.is_none() {
             let end = self.follow(&origin, Way::Down, kept.take(), tools, counts)?.describe();
-            if end.0 == Status::Interrupted {
+            // A closed branch has been followed all the way round.
+            if end.0 == Status::Interrupted || end.1 == Stop::Closed.to_string() {
                 return Ok(end);
             }
             self.turn();

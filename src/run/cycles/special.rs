@@ -9,8 +9,8 @@ use crate::linalg::c64;
 use crate::orbit::bifurcations::{
     BranchPoint, Critical, CriticalCycle, CycleNormalForm, Event, Homoclinic, Located, Segment, Signs,
 };
-use crate::orbit::{Collocation, Frame, Orbit};
-use crate::problem::{Problem, Reflection};
+use crate::orbit::{Collocation, Orbit};
+use crate::problem::Problem;
 
 /// Numbers of bifurcations of cycles, besides those that all cycles have.
 pub const VALUES: [&str; 6] = ["lpc_b", "pd_c", "bpc_c", "ns_d", "theta", "homoclinic"];
@@ -108,15 +108,7 @@ impl Cycles<'_> {
     }
 
     fn finer(&self, cycle: &CriticalCycle, x: &[f64], counts: &mut Counts) -> Option<(CriticalCycle, Vec<f64>)> {
-        let refinement = self.prepared.problem.refined();
-        let finer = match &refinement {
-            Some(finer) => {
-                let symmetry = reflection(&cycle.system.frame, &*finer.problem)?;
-                Some((finer.problem.clone(), &finer.prolong, symmetry))
-            }
-            None => None,
-        };
-        let (fine, start) = cycle.refined(x, finer);
+        let (fine, start) = cycle.refined(x, self.prepared.problem.refined().as_ref())?;
         let solution = fine.solve(start, counts).ok()?;
         Some((fine, solution))
     }
@@ -132,8 +124,7 @@ impl Cycles<'_> {
             mapped.interpolated(&orbit.mesh, orbit.degree + 1)
         };
         if let Some(finer) = &refinement {
-            frame.symmetry = reflection(&frame, &*finer.problem)?;
-            frame.problem = finer.problem.clone();
+            frame = frame.of(&finer.problem)?;
         }
         let (orbit, tangent) = (finer(&point.x), finer(&point.tangent));
         let (x, tangent) = (Collocation::unknowns(&orbit), Collocation::unknowns(&tangent));
@@ -169,10 +160,6 @@ impl Cycles<'_> {
         counts.spectra += usize::from(wanted.iter().any(|event| *event != Event::Fold));
         Signs::new(point, factors, wanted).ok()
     }
-}
-
-fn reflection(frame: &Frame, problem: &dyn Problem) -> Option<Reflection> {
-    if frame.parts == 2 { problem.reflection() } else { Some(Reflection::identity(problem.dim())) }
 }
 
 /// The coefficient of the normal form, and the angle of a critical pair over the whole period.
