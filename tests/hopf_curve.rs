@@ -2,7 +2,7 @@
 
 mod common;
 
-use hopfline::bifurcation::{Coordinate, Hopf, HopfCurve, HopfNormalForm, HopfSegment, Locus, Test, reverse};
+use hopfline::bifurcation::{Coordinate, Hopf, HopfCurve, HopfNormalForm, HopfSegment, Test, reverse};
 use hopfline::continuation::{Counts, StepControl, Walk};
 use hopfline::linalg::c64;
 use hopfline::problem::{Automatic, Bounds, Default, Formula, Parameter, Problem, Scalar};

@@ -175,10 +175,9 @@ fn cycles(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Resu
         None => false,
     };
     if let (true, Some(detect)) = (relative, section.get("detect"))
-        && !detect.texts()?.is_empty()
+        && detect.texts()?.iter().any(|kind| kind == "BPC")
     {
-        let message =
-            "bifurcations of relative periodic orbits are not looked for; leave out detect, or relative = true";
+        let message = "branch points of relative periodic orbits are not looked for; only LPC, PD and NS are";
         return Err(detect.error(Fault::Other(message.to_owned())));
     }
     if !is_file(from.text()?) {

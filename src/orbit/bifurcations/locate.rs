@@ -2,7 +2,7 @@
 //!
 //! Regula falsi (Illinois) on the test function brings the point near enough for Newton's method on a regular system:
 //! [`CriticalCycle`] for folds, flips and tori, [`BranchPoint`] for branch points. What converges outside the step is
-//! somebody else's point, and the bracket shrinks further.
+//! somebody else's point, and the bracket shrinks further. On relative periodic orbits regula falsi alone goes on to the end.
 
 use super::{BranchPoint, Critical, CriticalCycle, Event, Signs};
 use crate::bifurcation::Coordinate;
@@ -10,6 +10,10 @@ use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, at_
 use crate::linalg::Singular;
 use crate::orbit::{Collocation, Orbit, OrbitFactors};
 
+/// Steps of regula falsi or halving at most, where nothing else follows, and the value, in parts of those at the ends, at
+/// which they stop.
+const MOST_NARROWINGS: usize = 40;
+const SHARP: f64 = 1e-11;
 /// Rounds of bracketing, each followed by an attempt to converge.
 const ROUNDS: usize = 8;
 /// Steps of regula falsi in a round.
@@ -44,6 +48,8 @@ pub struct Located {
     /// The extended system and its solution, for all but branch points.
     pub critical: Option<(CriticalCycle, Vec<f64>)>,
     pub branch: Option<BranchPoint>,
+    /// Real and imaginary part of the critical multiplier, on relative periodic orbits at tori.
+    pub pair: Option<(f64, f64)>,
 }
 
 /// The nearest multiplier of a bracketed event, where it is a pair.
@@ -75,6 +81,9 @@ impl Segment<'_> {
         let nearest = if a.abs() < b.abs() { (self.from, a, self.signs[0]) } else { (self.to, b, self.signs[1]) };
         let (best, least, pair) = (nearest.0.clone(), nearest.1.abs(), nearest.2.pair);
         let mut bracket = Bracket { low: (0.0, a), high: (1.0, b), best, least, pair };
+        if !self.system.reference().drift.is_empty() {
+            return self.sharpen(event, bracket, a.abs().max(b.abs()), counts);
+        }
         for round in 0..ROUNDS {
             for _ in 0..STEPS {
                 self.narrow(event, &mut bracket, counts)?;
@@ -116,6 +125,29 @@ impl Segment<'_> {
         Ok(found.is_some_and(|found| found.point.tangent_lambda.abs() <= VERTICAL * rate))
     }
 
+    /// On relative periodic orbits, for which there are no extended systems: regula falsi on the test function alone, whose
+    /// multipliers are those without the trivial ones.
+    fn sharpen(
+        &self,
+        event: Event,
+        mut bracket: Bracket,
+        size: f64,
+        counts: &mut Counts,
+    ) -> Result<Option<Located>, Failure> {
+        for _ in 0..MOST_NARROWINGS {
+            self.narrow(event, &mut bracket, counts)?;
+            if event != Event::Branch && bracket.least <= SHARP * size {
+                break;
+            }
+        }
+        let Bracket { best: point, least, pair, .. } = bracket;
+        // At a pole the function is not small; a real pair is a neutral saddle.
+        let zero = event == Event::Branch || least <= SHARP.sqrt() * size;
+        let found = zero && (event != Event::Torus || pair.is_some());
+        let fraction = self.fraction(&point);
+        Ok(found.then(|| Located { event, fraction, point, critical: None, branch: None, pair }))
+    }
+
     /// A step of regula falsi; halving where the function is no more than a sign.
     fn narrow(&self, event: Event, bracket: &mut Bracket, counts: &mut Counts) -> Result<(), Failure> {
         let (low, high) = (bracket.low, bracket.high);
@@ -154,7 +186,7 @@ impl Segment<'_> {
                     return Err(Singular.into());
                 }
                 let (point, fraction) = (found.point.clone(), self.fraction(&found.point));
-                return Ok(Located { event, fraction, point, critical: None, branch: Some(found) });
+                return Ok(Located { event, fraction, point, critical: None, branch: Some(found), pair: None });
             }
             Event::Fold => Critical::Fold,
             Event::Flip => Critical::Flip,
@@ -172,7 +204,14 @@ impl Segment<'_> {
         let orbit = cycle.orbit(&x);
         let lambda = cycle.parameters(&x)[coordinate.index];
         let point = Point { x: Collocation::unknowns(&orbit), lambda, ..point.clone() };
-        Ok(Located { event, fraction: self.fraction(&point), point, critical: Some((cycle, x)), branch: None })
+        Ok(Located {
+            event,
+            fraction: self.fraction(&point),
+            point,
+            critical: Some((cycle, x)),
+            branch: None,
+            pair: None,
+        })
     }
 
     fn chord(&self, point: &Point) -> (f64, f64, f64) {
