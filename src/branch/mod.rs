@@ -118,6 +118,8 @@ pub enum Kind {
     PDNS,
     /// Cycle that a motion settled on.
     LC,
+    /// Event of a motion.
+    EV,
     /// User value.
     UZ,
     /// End of the branch.

@@ -36,7 +36,7 @@ pub fn marks(branch: &Branch) -> Vec<Mark> {
 
 /// The kind that a label begins with: "HB12" is a Hopf point.
 fn kind_of(label: &str) -> Option<Kind> {
-    const ALL: [Kind; 31] = [
+    const ALL: [Kind; 32] = [
         Kind::HB,
         Kind::LP,
         Kind::BP,
@@ -65,6 +65,7 @@ fn kind_of(label: &str) -> Option<Kind> {
         Kind::LPBP,
         Kind::BPNS,
         Kind::LC,
+        Kind::EV,
         Kind::UZ,
         Kind::EP,
         Kind::MX,
@@ -106,6 +107,7 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
         Kind::LPBP => Some("fold and branch point of cycles (LPBP)"),
         Kind::BPNS => Some("branch point of cycles and torus (BPNS)"),
         Kind::LC => Some("cycle that a motion settled on (LC)"),
+        Kind::EV => Some("event (EV)"),
         Kind::UZ => Some("user value (UZ)"),
         Kind::MX => Some("no convergence (MX)"),
         Kind::EP => None,
@@ -155,7 +157,7 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
             canvas.fill(&shape(&SQUARE), WHITE)?;
             canvas.line(&shape(&SQUARE), 1.1, INK)
         }
-        Kind::UZ => solid(canvas, &shape(&TRIANGLE)),
+        Kind::UZ | Kind::EV => solid(canvas, &shape(&TRIANGLE)),
         Kind::HH | Kind::LC => {
             canvas.disc(at, 4.6, INK)?;
             canvas.disc(at, 3.4, WHITE)

@@ -132,6 +132,13 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                      {:e} of the largest",
                     motion.tolerance, motion.absolute
                 );
+                for event in &motion.events {
+                    let _ = writeln!(
+                        out,
+                        "  computed: where {} = {} (EV), direction {}",
+                        event.of, event.value, event.direction
+                    );
+                }
                 let why = "a parameter changes all the time";
                 out += &yes_no(motion.ramp.is_none(), "steady states, cycles and closed curves of returns".into(), why);
             }

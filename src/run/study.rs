@@ -5,7 +5,9 @@ use crate::linalg::Structure;
 use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
 use crate::problem::{Automatic, Default, Observable, Problem, Tie, Tied};
-use crate::scene::{Expression, Fault, OptionValue, Place, Scene, SceneError, Task, TaskKind, Value, owner, units};
+use crate::scene::{
+    self, Expression, Fault, OptionValue, Place, Scene, SceneError, Start, Task, TaskKind, Value, owner, units,
+};
 use num_dual::{Dual64, HyperDual64};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -258,7 +260,7 @@ impl Study {
         // A simulation may leave all parameters as they are.
         let varies = !along.free.is_empty();
         let free = if varies { self.free(scene, &along.free, &along.free_at)? } else { 0 };
-        let q = &list[free];
+        let q = if varies { list.get(free) } else { None };
         let mut others = Vec::new();
         for axis in &along.others {
             others.push(self.free(scene, &axis.name, &along.free_at)?);
@@ -288,14 +290,18 @@ impl Study {
             self.check_start(scene, &problem.resolve(&p))?;
         }
         if let TaskKind::Simulate(simulation) = &task.kind {
-            if let Some((start, at)) = simulation.start.as_ref().filter(|(start, _)| start.len() != self.model.dim()) {
+            if let Some(Start::List(start, at)) = &simulation.start
+                && start.len() != self.model.dim()
+            {
                 let message =
                     format!("start has {} numbers, but the model has {} unknowns", start.len(), self.model.dim());
                 return Err(scene.refuse(at, message));
             }
             self.check_start(scene, &problem.resolve(&p))?;
         }
-        p[free] = self.values[free];
+        if varies {
+            p[free] = self.values[free];
+        }
         let (observables, averages) = self.wanted(scene, task)?;
         let waves = scene
             .figures
@@ -306,8 +312,8 @@ impl Study {
             problem: Arc::new(problem),
             p,
             free,
-            free_name: if varies { q.name.to_owned() } else { String::new() },
-            free_unit: if varies { q.unit.to_owned() } else { String::new() },
+            free_name: q.map_or("", |q| q.name).to_owned(),
+            free_unit: q.map_or("", |q| q.unit).to_owned(),
             others,
             observables,
             averages,
@@ -320,11 +326,12 @@ impl Study {
         let guesses = match &task.kind {
             TaskKind::Equilibria(task) => task.guess.as_slice(),
             TaskKind::Diagram(task) => &task.states,
+            TaskKind::Simulate(scene::Simulate { start: Some(Start::Named(guess)), .. }) => std::slice::from_ref(guess),
             _ => &[],
         };
         let (along, names) = (task.kind.along(), self.model.unknowns());
         for (name, value, at) in guesses.iter().flat_map(|guess| &guess.values) {
-            if *name == along.free {
+            if *name == along.free && !matches!(task.kind, TaskKind::Simulate(_)) {
                 let (from, to) = (along.range.from, along.range.to);
                 if !(from..=to).contains(value) {
                     return Err(scene.fault(at, Fault::OutsideRange { value: *value, from, to }));
@@ -386,6 +393,15 @@ impl Study {
         let place = |key: &str| along.places.get(key).cloned().unwrap_or_else(|| nowhere.clone());
         for name in &along.observables {
             note(name, &place("observables"))?;
+        }
+        if let TaskKind::Simulate(motion) = &task.kind {
+            for event in &motion.events {
+                if !names.contains(&event.of.as_str()) {
+                    let fault = Fault::unknown("observable", &event.of, names.iter().copied());
+                    return Err(scene.fault(&event.at, fault));
+                }
+                note(&event.of, &event.at)?;
+            }
         }
         // Points are located on a column, so that here the name must be one: "max tip_angle" on cycles.
         let columns: Vec<String> = match &task.kind {

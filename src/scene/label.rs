@@ -3,9 +3,9 @@
 use super::{Fault, Task, TaskKind};
 
 /// Kinds of points that a scene can refer to.
-pub const POINT_KINDS: [&str; 30] = [
-    "HB", "LP", "BP", "KC", "XP", "UZ", "EP", "LC", "GH", "BT", "ZH", "HH", "CP", "LPC", "PD", "NS", "BPC", "CPC",
-    "GPD", "CH", "R1", "R2", "R3", "R4", "LPPD", "LPNS", "PDNS", "GBPC", "LPBP", "BPNS",
+pub const POINT_KINDS: [&str; 31] = [
+    "HB", "LP", "BP", "KC", "XP", "UZ", "EP", "LC", "EV", "GH", "BT", "ZH", "HH", "CP", "LPC", "PD", "NS", "BPC",
+    "CPC", "GPD", "CH", "R1", "R2", "R3", "R4", "LPPD", "LPNS", "PDNS", "GBPC", "LPBP", "BPNS",
 ];
 
 /// "straight/HB1": the first Hopf point of the task "straight".
@@ -95,9 +95,11 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         }
         ("EP", _) => None,
         ("LC", TaskKind::Simulate(_)) => None,
-        (_, TaskKind::Simulate(_)) => {
-            Some(" (a simulation leaves EP1, and LC1 where it settles on a cycle)".to_owned())
-        }
+        ("EV", TaskKind::Simulate(task)) if !task.events.is_empty() => None,
+        ("EV", TaskKind::Simulate(_)) => Some("; give it events = [{ of = \"x\", value = 0 }]".to_owned()),
+        (_, TaskKind::Simulate(_)) => Some(
+            " (a simulation leaves EP1, LC1 where it settles on a cycle, and EV1, EV2, ... at its events)".to_owned(),
+        ),
         ("HB" | "LP" | "BP" | "UZ", TaskKind::Diagram(_)) => None,
         (_, TaskKind::Diagram(_)) => Some(" (it finds HB, LP, BP, UZ and EP)".to_owned()),
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),

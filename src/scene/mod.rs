@@ -300,8 +300,9 @@ pub struct Simulate {
     pub along: Along,
     /// The point of another branch where the motion starts, and its place.
     pub from: Option<(String, Place)>,
-    /// Values of all unknowns at the start; default: the model's own.
-    pub start: Option<(Vec<f64>, Place)>,
+    pub start: Option<Start>,
+    /// Crossings that are stored, in the order of the scene.
+    pub events: Vec<Happening>,
     /// Added to the start along its eigenmode: the largest entry.
     pub amplitude: Option<f64>,
     pub parameters: Vec<(String, f64)>,
@@ -317,6 +318,27 @@ pub struct Simulate {
     pub absolute: f64,
     /// Rows after the first.
     pub samples: usize,
+}
+
+/// Where a motion starts, if not at the model's own start.
+#[derive(Clone, Debug)]
+pub enum Start {
+    /// All unknowns.
+    List(Vec<f64>, Place),
+    /// Some of them, by name; the others as in the model's start.
+    Named(Guess),
+}
+
+/// `{ of = "x", value = 0, direction = "up", stop = true }`: an observable crosses a value.
+#[derive(Clone, Debug)]
+pub struct Happening {
+    pub of: String,
+    pub value: f64,
+    /// "up", "down" or "any", the default.
+    pub direction: &'static str,
+    /// Whether the motion ends there. Default false.
+    pub stop: bool,
+    pub at: Place,
 }
 
 /// `kind = "equilibria"`.
