@@ -10,6 +10,7 @@ mod equilibria;
 mod figures;
 mod files;
 mod fold_curve;
+mod gallery;
 mod hopf_curve;
 mod hopf_surface;
 mod import;
@@ -30,6 +31,7 @@ mod written;
 
 pub use describe::{models, one_model};
 pub use figures::redraw;
+pub use gallery::{gallery, section};
 pub use import::import;
 pub use plan::plan;
 pub use summary::{Expected, Summary};
