@@ -80,7 +80,7 @@ fn assert_succeeds(results: &Results) {
 fn assert_on_page(results: &Results) {
     let page = fs::read_to_string(problems().join("README.md")).unwrap();
     let section = run::section(&results.scene, &results.summary).unwrap();
-    let stale = format!("problems/README.md is stale: run `hopfline run problems/*.toml && hopfline gallery problems`");
+    let stale = "problems/README.md is stale: run `hopfline run problems/*.toml && hopfline gallery problems`";
     let head = format!("\n## {}\n", results.name);
     let start = page.find(&head).unwrap_or_else(|| panic!("{stale}; it has no {}", results.name));
     let end = page[start + 1..].find("\n## ").map_or(page.len(), |end| start + 1 + end);
