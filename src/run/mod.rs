@@ -14,6 +14,7 @@ mod gallery;
 mod hopf_curve;
 mod hopf_surface;
 mod import;
+mod locus;
 mod map;
 mod outcome;
 mod plan;
@@ -39,9 +40,8 @@ pub use template::template;
 pub use watch::INTERRUPTED;
 
 use crate::branch::{Branch, StoreError};
-use crate::orbit::bifurcations::Critical;
 use crate::plot::PlotError;
-use crate::scene::{Curve, Fault, Place, Scene, SceneError, Task, TaskKind, owner};
+use crate::scene::{Fault, Place, Scene, SceneError, Task, TaskKind, owner};
 use equilibria::Origin;
 use files::Folder;
 use outcome::{Outcome, Status};
@@ -112,9 +112,7 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
                 TaskKind::FoldCurve(_) => start::check_fold(scene, from, at)?,
                 TaskKind::BranchPointCurve(_) => start::check_branch_point(scene, from, at)?,
                 TaskKind::Equilibria(_) => start::check_equilibrium(scene, from, at)?,
-                TaskKind::LpcCurve(_) => start::check_cycle(scene, (from, at), "LPC", "a fold of cycles")?,
-                TaskKind::PdCurve(_) => start::check_cycle(scene, (from, at), "PD", "a period doubling")?,
-                TaskKind::NsCurve(_) => start::check_cycle(scene, (from, at), "NS", "a torus bifurcation")?,
+                TaskKind::CycleCurve(kind, _) => start::check_cycle(scene, (from, at), kind.point())?,
                 TaskKind::Cycles(ref cycles) if cycles.relative => start::check_relative(scene, &prepared, from, at)?,
                 TaskKind::Cycles(_) if start::is_cycle(scene, from) => {}
                 _ => start::check(scene, from, at)?,
@@ -200,10 +198,6 @@ fn perform(
             format!("there is no {label}; found were: {}", found.join(", "))
         })
     };
-    let cycle_curve = |what: (&Curve, Critical)| match source(&what.0.from) {
-        Ok(from) => cycle_curve::run(prepared, &task.name, what, from, watch),
-        Err(reason) => Outcome::failed(cycle_curve::empty(prepared, &task.name, what), reason),
-    };
     let outcome = match &task.kind {
         TaskKind::Equilibria(equilibria) => match equilibria.from.as_ref().map(|(from, _)| source(from)).transpose() {
             Ok(from) => {
@@ -232,9 +226,10 @@ fn perform(
             Ok(from) => branch_curve::run(prepared, &task.name, curve, from, watch),
             Err(reason) => Outcome::failed(branch_curve::empty(prepared, &task.name, curve), reason),
         },
-        TaskKind::LpcCurve(curve) => cycle_curve((curve, Critical::Fold)),
-        TaskKind::PdCurve(curve) => cycle_curve((curve, Critical::Flip)),
-        TaskKind::NsCurve(curve) => cycle_curve((curve, Critical::Torus)),
+        TaskKind::CycleCurve(kind, curve) => match source(&curve.from) {
+            Ok(from) => cycle_curve::run(prepared, &task.name, (curve, *kind), from, watch),
+            Err(reason) => Outcome::failed(cycle_curve::empty(prepared, &task.name, (curve, *kind)), reason),
+        },
         TaskKind::Simulate(motion) => match motion.from.as_ref().map(|(from, _)| source(from)).transpose() {
             Ok(from) => simulate::run(prepared, &task.name, motion, from, watch),
             Err(reason) => Outcome::failed(simulate::empty(prepared, &task.name, motion), reason),

@@ -24,7 +24,7 @@ pub struct Checkpoint {
     pub seconds: f64,
     /// How the first of two ways ended, if this is the second.
     pub behind: Option<(Status, String)>,
-    /// Test functions at the last point, and what the last three say of a homoclinic end.
+    /// Test functions at the last point, and what the last ones say of a homoclinic end.
     pub signs: Option<Signs>,
     pub passages: Vec<Passage>,
 }

@@ -16,12 +16,14 @@
 
 mod attractor;
 mod equations;
+mod event;
 mod form;
 mod integrate;
 mod returns;
 mod ring;
 
 pub use attractor::{Attractor, Cycle, Search, Settled, settle};
+pub use event::{Direction, Event};
 pub use integrate::{Control, Course, Method, Motion, Step, integrate};
 pub use returns::Range;
 pub use ring::Ring;

@@ -57,14 +57,19 @@ pub fn guessed(prepared: &Prepared, guess: &scene::Guess, free: f64) -> (Vec<f64
     let free = guess.free(&prepared.free_name).unwrap_or(free);
     let mut p = prepared.p.clone();
     p[prepared.free] = free;
-    let mut u = prepared.problem.start(&p);
+    (given(prepared, guess, &p), free)
+}
+
+/// The model's start at p but for the unknowns that are given.
+pub fn given(prepared: &Prepared, guess: &scene::Guess, p: &[f64]) -> Vec<f64> {
+    let mut u = prepared.problem.start(p);
     let names = prepared.problem.unknowns();
     for (name, value, _) in &guess.values {
         if let Some(i) = names.iter().position(|known| known == name) {
             u[i] = *value;
         }
     }
-    (u, free)
+    u
 }
 
 /// From a state at a value of the free parameter.
