@@ -206,8 +206,12 @@ impl Base<'_> {
         let root = Section { source: self.source, table: &table, at: Place::default() };
         let mut scene = parse::read(&root, false)?;
         scene.expect = self.quantities.iter().map(|(quantity, at)| wanted(point, quantity, at)).collect();
-        let names = changes.iter().skip(changes.len() - named).map(|(change, _)| change.words());
-        Ok(Variant { point: point.to_owned(), changes: names.collect(), scene })
+        let mut names: Vec<(String, String)> = Vec::new();
+        for (key, value) in changes.iter().skip(changes.len() - named).map(|(change, _)| change.words()) {
+            names.retain(|(known, _)| *known != key);
+            names.push((key, value));
+        }
+        Ok(Variant { point: point.to_owned(), changes: names, scene })
     }
 }
 

@@ -39,7 +39,7 @@ impl Override {
 
     /// Key and value, for people.
     pub fn words(&self) -> (String, String) {
-        (self.path.join("."), self.value.content.short())
+        (self.path.join("."), self.value.content.written())
     }
 
     /// What is wrong with the argument.

@@ -77,23 +77,23 @@ impl Content {
 }
 
 impl Content {
-    /// The value in a few letters, as a setting is named by it.
-    pub fn short(&self) -> String {
+    /// The value as a file has it.
+    pub fn written(&self) -> String {
         match self {
-            Content::Text(text) if text.chars().count() <= 24 => text.clone(),
+            Content::Text(text) => text.clone(),
             Content::Integer(value) => value.to_string(),
             Content::Number(value) if *value != 0.0 && !(1e-3..1e6).contains(&value.abs()) => format!("{value:e}"),
             Content::Number(value) => value.to_string(),
-            Content::List(items) if items.len() <= 4 => {
-                let items: Vec<String> = items.iter().map(|item| item.content.short()).collect();
+            Content::Flag(value) => value.to_string(),
+            Content::Date(text) => text.clone(),
+            Content::List(items) => {
+                let items: Vec<String> = items.iter().map(|item| item.content.written()).collect();
                 format!("[{}]", items.join(", "))
             }
-            Content::Table(table) if table.entries.len() == 1 => {
-                let items = table.entries.iter().map(|(key, node)| format!("{key} = {}", node.content.short()));
-                format!("{{ {} }}", items.collect::<Vec<_>>().join(", "))
+            Content::Table(table) => {
+                let entries = table.entries.iter().map(|(key, node)| format!("{key} = {}", node.content.written()));
+                format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
             }
-            Content::Flag(_) | Content::Date(_) => self.describe(),
-            Content::Text(_) | Content::List(_) | Content::Table(_) => "...".to_owned(),
         }
     }
 }
