@@ -117,3 +117,33 @@ fn pieces(
     };
     pieces.iter().try_for_each(|piece| canvas.line(piece, width, colour))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zero_errors_single_points_and_missing_unknowns_are_drawn() {
+        let at = |error: f64, seconds: f64, unknowns| Worked {
+            error,
+            seconds,
+            spread: (0.9 * seconds, 2.0 * seconds),
+            unknowns,
+        };
+        let family = |name: &str, points| WorkPrecision { name: name.to_owned(), order: Some(4.0), points };
+        let families = [
+            family("two", vec![at(1e-3, 0.1, Some(10.0)), at(0.0, 0.4, Some(20.0))]),
+            family("none", Vec::new()),
+            family("motion", vec![at(1e-5, 0.2, None)]),
+        ];
+        for count in 1..=3 {
+            let svg = draw("Errors", "error of x", 1e-9, &families[..count]).unwrap();
+            assert!(
+                svg.contains("unknowns") && svg.contains("two (order 4.0)") && svg.contains("error of the reference")
+            );
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "{svg}");
+        }
+        let svg = draw("Errors", "error of x", 0.0, &families[2..]).unwrap();
+        assert!(!svg.contains("unknowns") && !svg.contains("reference"), "{svg}");
+    }
+}

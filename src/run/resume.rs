@@ -116,7 +116,6 @@ impl Keeper {
     fn write(&self, task: &str, state: State) {
         let Some(path) = self.path(task) else { return };
         let kept = Kept { scene: self.scene.clone(), state };
-        let _ =
-            write_atomically(&path, |file| serde_json::to_writer(file, &kept).map_err(std::io::Error::from));
+        let _ = write_atomically(&path, |file| serde_json::to_writer(file, &kept).map_err(std::io::Error::from));
     }
 }

@@ -85,11 +85,7 @@ struct Base<'a> {
 /// An entry of the scene to be changed, and where the study says so.
 type Change<'a> = (Override, Entry<'a>);
 
-pub(super) fn read(
-    root: &Section<'_>,
-    tasks: &[Task],
-    announced: &[Announced],
-) -> Result<Option<Bench>, SceneError> {
+pub(super) fn read(root: &Section<'_>, tasks: &[Task], announced: &[Announced]) -> Result<Option<Bench>, SceneError> {
     let Some(entry) = root.get("bench") else { return Ok(None) };
     let section = entry.section("a section, [bench]")?;
     section.allow("key of a study", &KEYS)?;
@@ -187,7 +183,8 @@ fn change<'a>(key: &str, value: Entry<'a>) -> Result<Change<'a>, SceneError> {
     if let ("model", Content::Table(model)) = (key, &value.node.content)
         && ["name", "equations"].iter().all(|key| model.get(key).is_none())
     {
-        let message = "a model needs name or equations; an option of the present one is set by \"model.OPTION\", in quotes";
+        let message =
+            "a model needs name or equations; an option of the present one is set by \"model.OPTION\", in quotes";
         return Err(value.error(Fault::Other(message.to_owned())));
     }
     match Override::entry(key, value.node) {
@@ -226,4 +223,3 @@ fn wanted(point: &str, quantity: &str, at: &Place) -> Expectation {
         at: at.clone(),
     }
 }
-

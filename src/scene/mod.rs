@@ -343,6 +343,8 @@ pub struct Equilibria {
     pub bounds: Vec<(String, Range)>,
     /// Leading eigenvalues followed as continuous branches; 0: none.
     pub spectrum: usize,
+    /// Whether all eigenvalues are computed, or the leading ones where the model has structure; default: all up to 256 unknowns.
+    pub all_eigenvalues: Option<bool>,
     /// Kinds of special points looked for: "HB", "LP", "BP".
     pub detect: Vec<String>,
 }

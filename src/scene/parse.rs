@@ -6,7 +6,9 @@ use std::path::Path;
 use super::entry::{Section, Source};
 use super::label::{Announced, is_name, owned};
 use super::overrides::Override;
-use super::{Fault, Figure, Place, Scene, SceneError, Task, TaskKind, bench, expect, figure, model, parameters, task, tree};
+use super::{
+    Fault, Figure, Place, Scene, SceneError, Task, TaskKind, bench, expect, figure, model, parameters, task, tree,
+};
 
 const SECTIONS: [&str; 7] = ["title", "model", "parameters", "task", "figure", "expect", "bench"];
 

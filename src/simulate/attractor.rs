@@ -1,5 +1,6 @@
 //! What a motion settles on: a steady state, a cycle, a closed curve of returns, or nothing that can be named.
 
+use super::drift::Drift;
 use super::form::norm;
 use super::integrate::{Control, Course, Motion, Step, integrate};
 use super::returns::{Range, Return, Returns, observe};
@@ -166,17 +167,29 @@ fn recognise(list: &[Return], control: &Control, size: f64) -> Option<Cycle> {
         if !(settled || enough && agree()) {
             return None;
         }
+        let drift = Drift::of(list, q);
+        if drift.is_some_and(|drift| drift.distance() > SETTLED * allowed * extent) {
+            return None;
+        }
         let (last, lap) = (&list[k], |k: usize| list[k].t - list[k - q].t);
         let range = |k: usize, o: usize| {
             let laps = list[k + 1 - q..=k].iter().map(|lap| lap.ranges[o]);
             laps.reduce(|a, b| Range { max: a.max.max(b.max), min: a.min.min(b.min) })
         };
-        let mut errors = vec![(lap(k) - lap(k - q)).abs()];
+        // What the last laps differ by, or all that are still to come will.
+        let some = AGREEING.min(k / q - 1);
+        let error = |value: &dyn Fn(usize) -> f64| {
+            let apart = |laps: usize| (value(k) - value(k - laps * q)).abs();
+            let still = drift.map_or(0.0, |drift| apart(drift.laps) * drift.left());
+            let differ = if drift.is_some() { apart(1) } else { (1..=some).map(apart).fold(0.0, f64::max) };
+            differ.max(still)
+        };
+        let mut errors = vec![error(&lap)];
         let mut ranges = Vec::new();
         for o in 0..last.ranges.len() {
-            let (now, before) = (range(k, o)?, range(k - q, o)?);
-            errors.extend([(now.max - before.max).abs(), (now.min - before.min).abs()]);
-            ranges.push(now);
+            let at = |k: usize| range(k, o).unwrap_or(Range { max: f64::NAN, min: f64::NAN });
+            errors.extend([error(&|k| at(k).max), error(&|k| at(k).min)]);
+            ranges.push(at(k));
         }
         Some(Cycle { period: lap(k), ranges, errors, at: last.u.clone(), time: last.t, crossings: q })
     })

@@ -25,7 +25,8 @@ const FOLDER: &str = "problems/bench";
 pub fn studies(names: &[String]) -> Result<Vec<PathBuf>, RunError> {
     let here = Path::new(FOLDER);
     let known = || {
-        let mut found: Vec<PathBuf> = std::fs::read_dir(here).into_iter().flatten().flatten().map(|e| e.path()).collect();
+        let mut found: Vec<PathBuf> =
+            std::fs::read_dir(here).into_iter().flatten().flatten().map(|e| e.path()).collect();
         found.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
         found.sort();
         found
@@ -33,7 +34,9 @@ pub fn studies(names: &[String]) -> Result<Vec<PathBuf>, RunError> {
     if names.is_empty() {
         let found = known();
         if found.is_empty() {
-            return Err(RunError::Input(format!("there is no study in {FOLDER}; give the path of a scene with [bench]")));
+            return Err(RunError::Input(format!(
+                "there is no study in {FOLDER}; give the path of a scene with [bench]"
+            )));
         }
         return Ok(found);
     }
@@ -158,7 +161,8 @@ fn quantities(study: &Bench, progress: &mut Progress) -> Vec<QuantityLine> {
         let (result, source) = match &quantity.reference {
             Reference::Known { value, error, source } => (Ok((*value, *error)), source.clone()),
             Reference::Computed { set, check } => {
-                let source = format!("{}; error: difference to {}", report::named(&set.changes), report::named(&check.changes));
+                let source =
+                    format!("{}; error: difference to {}", report::named(&set.changes), report::named(&check.changes));
                 (number(set).and_then(|value| Ok((value, (value - number(check)?).abs()))), source)
             }
         };
@@ -181,7 +185,7 @@ fn setting(variant: &Variant, sample: &Sample, quantities: &[QuantityLine]) -> S
         reason: sample.numbers.as_ref().err().cloned(),
         unknowns: sample.numbers.as_ref().ok().and_then(|numbers| numbers.unknowns),
         counts: sample.numbers.as_ref().map(|numbers| numbers.counts).unwrap_or_default(),
-        seconds: report::Seconds::of(&sample.seconds),
+        seconds: report::Seconds::of(&sample.taken),
         found,
     }
 }

@@ -2,10 +2,12 @@
 
 use super::super::RunError;
 use super::fit::Power;
+use super::sample::Taken;
 use crate::continuation::Counts;
 use crate::scene::Family;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::Path;
 
 #[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
 pub struct Report {
@@ -73,6 +75,8 @@ pub struct Seconds {
     pub median: f64,
     pub least: f64,
     pub most: f64,
+    /// Median of the processor's seconds, on all threads: what other programs take does not count.
+    pub processor: f64,
     pub runs: usize,
 }
 
@@ -140,21 +144,20 @@ impl FamilyLine {
 }
 
 impl Seconds {
-    /// Of at least one run.
-    pub fn of(runs: &[f64]) -> Self {
-        let mut sorted = runs.to_vec();
-        sorted.sort_by(f64::total_cmp);
-        let (least, most) = (sorted.first().copied().unwrap_or(f64::NAN), sorted.last().copied().unwrap_or(f64::NAN));
-        let at = |k: usize| sorted.get(k).copied().unwrap_or(f64::NAN);
-        let median = 0.5 * (at(sorted.len().saturating_sub(1) / 2) + at(sorted.len() / 2));
-        Self { median, least, most, runs: sorted.len() }
+    pub fn of(runs: &[Taken]) -> Self {
+        let walls: Vec<f64> = runs.iter().map(|run| run.wall).collect();
+        let processor: Vec<f64> = runs.iter().map(|run| run.processor).collect();
+        let extreme = |pick: fn(f64, f64) -> f64| walls.iter().copied().reduce(pick).unwrap_or(f64::NAN);
+        let (least, most) = (extreme(f64::min), extreme(f64::max));
+        Self { median: median(&walls), least, most, processor: median(&processor), runs: runs.len() }
     }
 }
 
 impl Found {
     pub fn new(value: f64, printed: Option<f64>, (reference, uncertain): (f64, f64)) -> Self {
         let scale = scale(reference);
-        let (error, uncertain, printed) = ((value - reference).abs() / scale, uncertain / scale, printed.map(|p| p / scale));
+        let (error, uncertain, printed) =
+            ((value - reference).abs() / scale, uncertain / scale, printed.map(|p| p / scale));
         let covered = printed.and_then(|printed| {
             let (surely, surely_not) = (printed >= error + uncertain, printed < error - uncertain);
             (surely || surely_not).then_some(surely)
@@ -197,8 +200,10 @@ impl Reach {
     pub fn of(quantity: &str, families: &[FamilyLine]) -> Vec<Self> {
         let at = |decade: i32| {
             let error = 10f64.powi(-decade);
-            let seconds: BTreeMap<String, f64> =
-                families.iter().filter_map(|family| Some((family.name.clone(), family.reaches(quantity, error)?))).collect();
+            let seconds: BTreeMap<String, f64> = families
+                .iter()
+                .filter_map(|family| Some((family.name.clone(), family.reaches(quantity, error)?)))
+                .collect();
             Self { quantity: quantity.to_owned(), error, seconds }
         };
         (1..=16).map(at).filter(|reach| !reach.seconds.is_empty()).collect()
@@ -226,11 +231,27 @@ impl Report {
         all
     }
 
+    /// The report of a study in its folder; None if there is none.
+    pub fn read(folder: &Path) -> Result<Option<Self>, RunError> {
+        let path = folder.join("bench.json");
+        let Ok(text) = std::fs::read(&path) else { return Ok(None) };
+        let report = serde_json::from_slice(&text);
+        report.map(Some).map_err(|e| RunError::Input(format!("{} is not the report of a study: {e}", path.display())))
+    }
+
     /// Figures by their names.
     pub fn figures(&self) -> Result<Vec<(String, String)>, RunError> {
         let drawn = self.quantities.iter().filter(|quantity| quantity.value.is_some());
         drawn.map(|quantity| super::figure::draw(self, quantity)).filter_map(Result::transpose).collect()
     }
+}
+
+/// NaN without values.
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |k: usize| sorted.get(k).copied().unwrap_or(f64::NAN);
+    0.5 * (at(sorted.len().saturating_sub(1) / 2) + at(sorted.len() / 2))
 }
 
 /// What errors are relative to.
@@ -247,4 +268,31 @@ pub fn named(changes: &[(String, String)]) -> String {
         format!("{} = {short}{dots}", key.rsplit('.').next().unwrap_or(key))
     };
     changes.iter().map(one).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn printed_errors_are_judged_as_far_as_the_reference_allows() {
+        // True error 0.1, known to 0.02.
+        let judged = |printed| Found::new(2.2, Some(printed), (2.0, 0.04)).covered;
+        assert_eq!([0.26, 0.23, 0.2, 0.17, 0.15].map(judged), [Some(true), None, None, None, Some(false)]);
+        let exact = Found::new(2.2, Some(0.2), (2.0, 0.0));
+        assert!((exact.error - 0.1).abs() < 1e-15 && (exact.ratio.unwrap() - 1.0).abs() < 1e-12);
+        // Where the number should be zero, errors are absolute; without a printed one there is nothing to judge.
+        let zero = Found::new(0.3, None, (0.0, 0.0));
+        assert_eq!((zero.error, zero.covered, zero.ratio), (0.3, None, None));
+        let all = [Found::new(1.0, Some(0.0), (1.0, 0.0)), Found::new(2.2, Some(0.2), (2.0, 0.04)), zero];
+        assert_eq!(Coverage::of(all.iter()), Coverage { covered: 1, cases: 1, undecided: 1 });
+    }
+
+    #[test]
+    fn medians_are_of_the_middle() {
+        let taken = |walls: &[f64]| walls.iter().map(|&wall| Taken { wall, processor: 2.0 * wall }).collect::<Vec<_>>();
+        let of = |walls: &[f64]| Seconds::of(&taken(walls));
+        assert_eq!(of(&[3.0, 1.0, 9.0]), Seconds { median: 3.0, least: 1.0, most: 9.0, processor: 6.0, runs: 3 });
+        assert_eq!(of(&[4.0, 2.0]).median, 3.0);
+    }
 }

@@ -1,12 +1,13 @@
 //! One setting of a study: what it gives, and how long that takes.
 
 use super::super::outcome::{Outcome, Status};
+use super::super::ready;
 use super::super::resume::Keeper;
 use super::super::watch::{Watch, interrupted};
-use super::super::ready;
 use crate::branch::{BranchKind, SpecialPoint};
 use crate::continuation::Counts;
 use crate::scene::{Variant, owner};
+use cpu_time::ProcessTime;
 use std::collections::BTreeMap;
 use std::time::Instant;
 
@@ -32,21 +33,30 @@ pub struct Sample {
     /// Or why there are none.
     pub numbers: Result<Numbers, String>,
     /// Of each timed run, from the scene to the numbers: building the model is part of it, files are not.
-    pub seconds: Vec<f64>,
+    pub taken: Vec<Taken>,
+}
+
+/// Seconds of one run.
+#[derive(Clone, Copy)]
+pub struct Taken {
+    pub wall: f64,
+    /// Of the processor, on all threads.
+    pub processor: f64,
 }
 
 impl Sample {
     /// Runs the setting several times, the first time to warm up.
     pub fn timed(variant: &Variant) -> Self {
         let (numbers, first) = once(variant);
-        let mut seconds = Vec::new();
-        if first >= WARM || numbers.is_err() {
-            seconds.push(first);
+        let mut taken = Vec::new();
+        if first.wall >= WARM || numbers.is_err() {
+            taken.push(first);
         }
-        while numbers.is_ok() && seconds.len() < RUNS && seconds.iter().sum::<f64>() < LIMIT && !interrupted() {
-            seconds.push(once(variant).1);
+        let spent = |taken: &[Taken]| taken.iter().map(|run| run.wall).sum::<f64>();
+        while numbers.is_ok() && taken.len() < RUNS && spent(&taken) < LIMIT && !interrupted() {
+            taken.push(once(variant).1);
         }
-        Self { numbers, seconds }
+        Self { numbers, taken }
     }
 }
 
@@ -57,13 +67,14 @@ pub fn task(variant: &Variant) -> String {
 }
 
 /// One run, and its seconds.
-pub fn once(variant: &Variant) -> (Result<Numbers, String>, f64) {
-    let start = Instant::now();
+pub fn once(variant: &Variant) -> (Result<Numbers, String>, Taken) {
+    let (start, busy) = (Instant::now(), ProcessTime::try_now().ok());
     let computed = ready(&variant.scene, &[task(variant)])
         .and_then(|ready| Ok(ready.compute(&Keeper::idle(), &Watch::new(true), &|_| Ok(()))?));
-    let seconds = start.elapsed().as_secs_f64();
+    let wall = start.elapsed().as_secs_f64();
+    let processor = busy.and_then(|busy| busy.try_elapsed().ok()).map_or(f64::NAN, |busy| busy.as_secs_f64());
     let numbers = computed.map_err(|error| error.to_string()).and_then(|outcomes| numbers(&variant.point, &outcomes));
-    (numbers, seconds)
+    (numbers, Taken { wall, processor })
 }
 
 fn numbers(label: &str, outcomes: &[Outcome]) -> Result<Numbers, String> {

@@ -28,13 +28,14 @@ impl Report {
         for family in &self.families {
             let _ = writeln!(
                 out,
-                "\n  {:width$} {:>9} {:>9} {:>7}  {:>9} {:>21} {:>5} {:>9} {:>8} {:>8}",
+                "\n  {:width$} {:>9} {:>9} {:>7}  {:>9} {:>21} {:>9} {:>5} {:>9} {:>8} {:>8}",
                 format!("{} ({})", family.name, family.point),
                 "error",
                 "printed",
                 "ratio",
                 "seconds",
                 "(least to most)",
+                "processor",
                 "runs",
                 "unknowns",
                 "factors",
@@ -74,9 +75,10 @@ impl Report {
 fn row(line: &SettingLine, quantity: &str) -> String {
     let seconds = &line.seconds;
     let taken = format!(
-        "{:>9} {:>21} {:>5}",
+        "{:>9} {:>21} {:>9} {:>5}",
         significant(seconds.median),
         format!("({} to {})", significant(seconds.least), significant(seconds.most)),
+        significant(seconds.processor),
         seconds.runs
     );
     let Some(found) = line.found.get(quantity) else {
