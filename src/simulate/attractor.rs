@@ -143,14 +143,11 @@ fn gap(list: &[Return], k: usize, q: usize) -> f64 {
 /// A cycle, if the last returns repeat.
 fn recognise(list: &[Return], control: &Control, size: f64) -> Option<Cycle> {
     let allowed = control.tolerance.max(control.absolute);
-    (1..=CROSSINGS).find_map(|q| {
-        let k = list.len().checked_sub(1)?;
-        if k < 3 * q {
-            return None;
-        }
+    for q in 1..=CROSSINGS {
+        let k = list.len().checked_sub(1).filter(|k| *k >= 3 * q)?;
         let extent = list[k + 1 - q..].iter().map(|lap| lap.extent).fold(0.0, f64::max);
         if extent <= NOISE * control.absolute * size {
-            return None;
+            continue;
         }
         let gap = |k: usize| gap(list, k, q);
         let (now, before) = (gap(k), gap(k - q));
@@ -164,35 +161,40 @@ fn recognise(list: &[Return], control: &Control, size: f64) -> Option<Cycle> {
             let most = |gaps: &[f64]| gaps.iter().copied().fold(0.0, f64::max);
             most(&gaps) <= 0.1 * NOISE * allowed * extent && most(second) <= 3.0 * most(first)
         };
-        if !(settled || enough && agree()) {
-            return None;
+        if settled || enough && agree() {
+            let drift = Drift::of(list, q);
+            // Several laps together would repeat no better: the motion is still on its way.
+            let arrived = drift.is_none_or(|drift| drift.distance() <= SETTLED * allowed * extent);
+            return arrived.then(|| measured(list, q, drift));
         }
-        let drift = Drift::of(list, q);
-        if drift.is_some_and(|drift| drift.distance() > SETTLED * allowed * extent) {
-            return None;
+    }
+    None
+}
+
+/// The last lap of `q` returns as a cycle; its errors are what the last laps differ by, or what is left of a drift.
+fn measured(list: &[Return], q: usize, drift: Option<Drift>) -> Cycle {
+    let k = list.len() - 1;
+    let last = &list[k];
+    let lap = |k: usize| list[k].t - list[k - q].t;
+    let range = |k: usize, o: usize| {
+        let laps = list[k + 1 - q..=k].iter().map(|lap| lap.ranges[o]);
+        let nothing = Range { max: f64::NEG_INFINITY, min: f64::INFINITY };
+        laps.fold(nothing, |a, b| Range { max: a.max.max(b.max), min: a.min.min(b.min) })
+    };
+    let some = AGREEING.min(k / q - 1);
+    let error = |value: &dyn Fn(usize) -> f64| {
+        let apart = |laps: usize| (value(k) - value(k - laps * q)).abs();
+        match drift {
+            Some(drift) => apart(1).max(apart(drift.laps) * drift.left()),
+            None => (1..=some).map(apart).fold(0.0, f64::max),
         }
-        let (last, lap) = (&list[k], |k: usize| list[k].t - list[k - q].t);
-        let range = |k: usize, o: usize| {
-            let laps = list[k + 1 - q..=k].iter().map(|lap| lap.ranges[o]);
-            laps.reduce(|a, b| Range { max: a.max.max(b.max), min: a.min.min(b.min) })
-        };
-        // What the last laps differ by, or all that are still to come will.
-        let some = AGREEING.min(k / q - 1);
-        let error = |value: &dyn Fn(usize) -> f64| {
-            let apart = |laps: usize| (value(k) - value(k - laps * q)).abs();
-            let still = drift.map_or(0.0, |drift| apart(drift.laps) * drift.left());
-            let differ = if drift.is_some() { apart(1) } else { (1..=some).map(apart).fold(0.0, f64::max) };
-            differ.max(still)
-        };
-        let mut errors = vec![error(&lap)];
-        let mut ranges = Vec::new();
-        for o in 0..last.ranges.len() {
-            let at = |k: usize| range(k, o).unwrap_or(Range { max: f64::NAN, min: f64::NAN });
-            errors.extend([error(&|k| at(k).max), error(&|k| at(k).min)]);
-            ranges.push(at(k));
-        }
-        Some(Cycle { period: lap(k), ranges, errors, at: last.u.clone(), time: last.t, crossings: q })
-    })
+    };
+    let mut errors = vec![error(&lap)];
+    for o in 0..last.ranges.len() {
+        errors.extend([error(&|k| range(k, o).max), error(&|k| range(k, o).min)]);
+    }
+    let ranges = (0..last.ranges.len()).map(|o| range(k, o)).collect();
+    Cycle { period: lap(k), ranges, errors, at: last.u.clone(), time: last.t, crossings: q }
 }
 
 /// Adds to the errors what a run with ten times the tolerance differs by.
