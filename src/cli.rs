@@ -57,6 +57,9 @@ pub enum Command {
     Models(Models),
     /// Draw the figures of a finished run again from its stored data
     Plot(Plot),
+    /// Write the page of a folder of scenes, DIR/README.md, from the results of their last runs
+    #[command(after_help = "Example:\n  hopfline run problems/*.toml && hopfline gallery problems")]
+    Gallery(Gallery),
     /// Write NAME.toml, a commented scene to start from
     New(New),
     /// Rewrite a model of XPPAUT (FILE.ode) as a scene
@@ -135,6 +138,16 @@ pub struct Plot {
     /// Folder of one finished scene, such as output/two-doublet
     #[arg(value_hint = ValueHint::DirPath)]
     pub dir: PathBuf,
+}
+
+#[derive(Clone, Debug, PartialEq, Args)]
+pub struct Gallery {
+    /// Folder of scenes
+    #[arg(value_hint = ValueHint::DirPath)]
+    pub dir: PathBuf,
+    /// Folder that the results of runs are in; the figures of the page go to `gallery` in it
+    #[arg(long, value_name = "DIR", default_value = "output", value_hint = ValueHint::DirPath)]
+    pub out: PathBuf,
 }
 
 #[derive(Clone, Debug, PartialEq, Args)]

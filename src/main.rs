@@ -58,6 +58,9 @@ fn execute(command: Command) -> Result<bool, RunError> {
                 print(&format!("{}\n", plot.dir.join("figures").join(name + ".svg").display()))?;
             }
         }
+        Command::Gallery(gallery) => {
+            print(&format!("{}\n", run::gallery(&gallery.dir, &gallery.out)?.display()))?;
+        }
         Command::New(new) => {
             let path = std::path::PathBuf::from(format!("{}.toml", new.name));
             let text = run::template(&new.name, &new.model)?;

@@ -99,15 +99,7 @@ pub fn redraw(folder: &Path) -> Result<Vec<String>, RunError> {
         }
         return Ok(figures.into_iter().map(|(name, _)| name).collect());
     }
-    let path = folder.join("summary.json");
-    let text = std::fs::read(&path).map_err(|e| {
-        RunError::Input(format!(
-            "cannot read {}: {e}; give the folder of a finished run, such as output/SCENE",
-            path.display()
-        ))
-    })?;
-    let summary: Summary = serde_json::from_slice(&text)
-        .map_err(|e| RunError::Input(format!("{} is not the summary of a run: {e}", path.display())))?;
+    let summary = Summary::load(folder)?;
     let mut branches = Vec::new();
     for line in &summary.branches {
         let mut branch = read_branch(&folder.join(&line.file), &line.name, line.kind, &line.free)?;

@@ -216,7 +216,9 @@ fn compare(
         let values = |cycle: &Cycle| {
             std::iter::once(cycle.period).chain(cycle.ranges.iter().flat_map(|range| [range.max, range.min])).collect()
         };
-        let (fine, coarse): (Vec<f64>, Vec<f64>) = (values(cycle), values(&other));
+        let (fine, mut coarse): (Vec<f64>, Vec<f64>) = (values(cycle), values(&other));
+        // It may have taken several rounds for one.
+        coarse[0] /= (coarse[0] / fine[0]).round().max(1.0);
         for (error, (a, b)) in cycle.errors.iter_mut().zip(fine.iter().zip(&coarse)) {
             *error += (a - b).abs();
         }

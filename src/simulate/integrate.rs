@@ -152,6 +152,8 @@ impl Leg<'_> {
             .build_from_eqn(equations);
         let mut problem = problem.map_err(|error| refused(start.t, error.to_string()))?;
         problem.ode_options.min_timestep = LEAST_STEP;
+        // The library counts these over the whole motion; the least step bounds those that follow each other.
+        problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
         // The start is consistent; the library's search for one asks for more digits of the rates than there are.
         let outcome = match self.control.method {
             Method::Bdf => {
