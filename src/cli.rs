@@ -14,6 +14,7 @@ Examples:
   hopfline run study.toml                     compute; results go to output/study
   hopfline run study.toml --set parameters.L=14 --set 'task.beat.range=[0, 400]'
   hopfline run problems/*.toml --threads 2 --quiet
+  hopfline bench onset                        error against run time: the study problems/bench/onset.toml
   hopfline models two-doublet                 its parameters, units, defaults and observables
 
 Exit codes:

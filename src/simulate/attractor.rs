@@ -165,14 +165,17 @@ fn recognise(list: &[Return], control: &Control, size: f64) -> Option<Cycle> {
             let drift = Drift::of(list, q);
             // Several laps together would repeat no better: the motion is still on its way.
             let arrived = drift.is_none_or(|drift| drift.distance() <= SETTLED * allowed * extent);
-            return arrived.then(|| measured(list, q, drift));
+            // Returns that converge differ by what is left; those that only agree, by errors of the integrator.
+            let laps = if settled { 1 } else { AGREEING.min(k / q - 1) };
+            return arrived.then(|| measured(list, (q, laps), drift));
         }
     }
     None
 }
 
-/// The last lap of `q` returns as a cycle; its errors are what the last laps differ by, or what is left of a drift.
-fn measured(list: &[Return], q: usize, drift: Option<Drift>) -> Cycle {
+/// The last lap of `q` returns as a cycle; its errors are what the `laps` before differ by from it, or what is left of a
+/// drift.
+fn measured(list: &[Return], (q, laps): (usize, usize), drift: Option<Drift>) -> Cycle {
     let k = list.len() - 1;
     let last = &list[k];
     let lap = |k: usize| list[k].t - list[k - q].t;
@@ -181,12 +184,11 @@ fn measured(list: &[Return], q: usize, drift: Option<Drift>) -> Cycle {
         let nothing = Range { max: f64::NEG_INFINITY, min: f64::INFINITY };
         laps.fold(nothing, |a, b| Range { max: a.max.max(b.max), min: a.min.min(b.min) })
     };
-    let some = AGREEING.min(k / q - 1);
     let error = |value: &dyn Fn(usize) -> f64| {
         let apart = |laps: usize| (value(k) - value(k - laps * q)).abs();
         match drift {
             Some(drift) => apart(1).max(apart(drift.laps) * drift.left()),
-            None => (1..=some).map(apart).fold(0.0, f64::max),
+            None => (1..=laps).map(apart).fold(0.0, f64::max),
         }
     };
     let mut errors = vec![error(&lap)];

@@ -13,19 +13,23 @@ pub struct Power {
 
 /// Below this relative error a law may hold; above, the number is not there yet.
 const ASYMPTOTIC: f64 = 0.1;
+/// An error that exceeds the one before it by this factor has risen.
+const RISEN: f64 = 1.1;
 /// Errors that exceed the reference's own by this factor are known.
 const KNOWN: f64 = 10.0;
 
 /// The settings, coarse to fine, that a law can be read from: their errors are known and small, and fall. Where they rise for
-/// the first time rounding, or what the family does not refine, has taken over.
+/// the first time rounding, or what the family does not refine, has taken over; settings that change nothing are passed over.
 pub fn falling<'a>(rows: Vec<(&'a SettingLine, &'a Found)>, floor: f64) -> Vec<(&'a SettingLine, &'a Found)> {
     let mut kept: Vec<(&SettingLine, &Found)> = Vec::new();
     for (line, found) in rows.into_iter().filter(|(_, found)| found.error <= ASYMPTOTIC) {
-        let falls = kept.last().is_none_or(|(_, before)| found.error < before.error);
-        if !falls || found.error <= KNOWN * floor {
+        let before = kept.last().map_or(f64::INFINITY, |(_, before)| before.error);
+        if found.error > RISEN * before || found.error <= KNOWN * floor {
             break;
         }
-        kept.push((line, found));
+        if found.error < before {
+            kept.push((line, found));
+        }
     }
     kept
 }
