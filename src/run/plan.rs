@@ -209,5 +209,13 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
     for figure in &scene.figures {
         let _ = writeln!(out, "figure {}: {}", figure.name, figure.kind);
     }
+    if let Some(study) = &scene.bench {
+        let settings: usize = study.families.iter().map(|family| family.variants.len()).sum();
+        let (numbers, families) = (study.quantities.len(), study.families.len());
+        let _ = writeln!(
+            out,
+            "study: {numbers} numbers, {families} families with {settings} settings (computed by hopfline bench alone)"
+        );
+    }
     Ok(out)
 }
