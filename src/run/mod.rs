@@ -1,5 +1,6 @@
 //! From a scene to files: the only place that knows all the others.
 
+mod bench;
 mod branch_curve;
 mod calibration;
 mod cycle_curve;
@@ -10,6 +11,7 @@ mod equilibria;
 mod figures;
 mod files;
 mod fold_curve;
+mod gallery;
 mod hopf_curve;
 mod hopf_surface;
 mod import;
@@ -29,8 +31,10 @@ mod watch;
 mod wave;
 mod written;
 
+pub use bench::{Report, bench, check_study, studies};
 pub use describe::{models, one_model};
 pub use figures::redraw;
+pub use gallery::{gallery, section};
 pub use import::import;
 pub use plan::plan;
 pub use summary::{Expected, Summary};
@@ -146,27 +150,7 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
         let diagrams = ready.tasks.iter().filter(|(task, _)| matches!(task.kind, TaskKind::Diagram(_)));
         diagrams.for_each(|(task, _)| folder.clear_parts(&task.name));
     }
-    let home = scene.path.parent().unwrap_or(Path::new(""));
-    let mut outcomes: Vec<Outcome> = Vec::new();
-    for (task, prepared) in &ready.tasks {
-        watch.task(&task.name);
-        let found = match keeper.finished(&task.name) {
-            Some(found) => found,
-            None => perform((task, home), prepared, &outcomes, &keeper, &watch),
-        };
-        if found.iter().all(|outcome| outcome.status == Status::Done) {
-            keeper.finish(&task.name, &found);
-        }
-        for outcome in &found {
-            watch.say(format!("{}: {:?}, {}", outcome.branch.name, outcome.status, outcome.reason));
-            folder.write_branch(&outcome.branch)?;
-        }
-        let interrupted = found.iter().any(|outcome| outcome.status == Status::Interrupted);
-        outcomes.extend(found);
-        if interrupted {
-            break;
-        }
-    }
+    let outcomes = ready.compute(&keeper, &watch, &|branch| folder.write_branch(branch))?;
     let branches: Vec<Branch> = outcomes.iter().map(|outcome| outcome.branch.clone()).collect();
     let specs = figures::specs(scene, &branches, ready.study.picture_unit());
     for spec in &specs {
@@ -176,9 +160,42 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
         }
     }
     let summary = Summary::new(scene, &outcomes, specs, start.elapsed().as_secs_f64());
-    folder.write_summary(&summary)?;
+    folder.write_json("summary.json", &summary)?;
     folder.write_log(&watch.finish())?;
     Ok(summary)
+}
+
+impl Ready<'_> {
+    /// Performs the tasks one after another; what each leaves is handed to `store` at once.
+    fn compute(
+        &self,
+        keeper: &Keeper,
+        watch: &Watch,
+        store: &dyn Fn(&Branch) -> Result<(), StoreError>,
+    ) -> Result<Vec<Outcome>, StoreError> {
+        let home = self.scene.path.parent().unwrap_or(Path::new(""));
+        let mut outcomes: Vec<Outcome> = Vec::new();
+        for (task, prepared) in &self.tasks {
+            watch.task(&task.name);
+            let found = match keeper.finished(&task.name) {
+                Some(found) => found,
+                None => perform((task, home), prepared, &outcomes, keeper, watch),
+            };
+            if found.iter().all(|outcome| outcome.status == Status::Done) {
+                keeper.finish(&task.name, &found);
+            }
+            for outcome in &found {
+                watch.say(format!("{}: {:?}, {}", outcome.branch.name, outcome.status, outcome.reason));
+                store(&outcome.branch)?;
+            }
+            let interrupted = found.iter().any(|outcome| outcome.status == Status::Interrupted);
+            outcomes.extend(found);
+            if interrupted {
+                break;
+            }
+        }
+        Ok(outcomes)
+    }
 }
 
 /// `home` is the scene's folder, in which it may name files.

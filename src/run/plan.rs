@@ -27,7 +27,9 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
         let note = if free { "  (free)" } else { "" };
         let _ = writeln!(out, "  {name:6} {value:12} {unit}{tie}{note}");
     }
+    let optional = crate::models::find(&scene.model.name).map_or(&[] as &[&str], |model| model.optional);
     let zero: Vec<&str> = parameters.iter().filter(|(_, x, ..)| *x == 0.0).map(|(name, ..)| name.as_str()).collect();
+    let zero: Vec<&str> = zero.into_iter().filter(|name| optional.contains(name)).collect();
     if !zero.is_empty() {
         let _ = writeln!(out, "  terms left out, their coefficient being zero: {}", zero.join(", "));
     }
@@ -84,7 +86,7 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
             }
             TaskKind::BranchPointCurve(curve) => {
                 let _ = writeln!(out, "  computed: branch points from {}, both ways along the curve", curve.from);
-                out += "  computed: beta, which is zero where branches do cross\n";
+                out += "  computed: imperfection, which is zero where branches do cross\n";
             }
             TaskKind::CycleCurve(kind, curve) => {
                 let what = match kind {
@@ -206,6 +208,14 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
     }
     for figure in &scene.figures {
         let _ = writeln!(out, "figure {}: {}", figure.name, figure.kind);
+    }
+    if let Some(study) = &scene.bench {
+        let settings: usize = study.families.iter().map(|family| family.variants.len()).sum();
+        let (numbers, families) = (study.quantities.len(), study.families.len());
+        let _ = writeln!(
+            out,
+            "study: {numbers} numbers, {families} families with {settings} settings (computed by hopfline bench alone)"
+        );
     }
     Ok(out)
 }

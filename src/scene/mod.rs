@@ -1,6 +1,7 @@
 //! A scene: one TOML file per study, typed, with the place of every entry for error messages. No numerics.
 
 mod along;
+mod bench;
 mod calibration;
 mod diagram;
 mod entry;
@@ -22,6 +23,7 @@ mod tree;
 pub mod units;
 
 pub use crate::expression::Expression;
+pub use bench::{Bench, Family, Quantity, Reference, Variant};
 pub use calibration::QUANTITIES;
 pub use error::{EntryError, Fault, SceneError};
 pub use figure::FIGURE_KINDS;
@@ -50,6 +52,8 @@ pub struct Scene {
     pub tasks: Vec<Task>,
     pub figures: Vec<Figure>,
     pub expect: Vec<Expectation>,
+    /// What `hopfline bench` does with the scene.
+    pub bench: Option<Bench>,
     /// The `--set` arguments laid over the file, as given.
     pub sets: Vec<String>,
     /// Whether one of them changed `[model]` or `[parameters]`: the expectations hold for the scene as written, and
@@ -355,6 +359,8 @@ pub struct Equilibria {
     pub bounds: Vec<(String, Range)>,
     /// Leading eigenvalues followed as continuous branches; 0: none.
     pub spectrum: usize,
+    /// Whether all eigenvalues are computed, or the leading ones where the model has structure; default: all up to 256 unknowns.
+    pub all_eigenvalues: Option<bool>,
     /// Kinds of special points looked for: "HB", "LP", "BP".
     pub detect: Vec<String>,
 }

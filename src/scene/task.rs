@@ -28,7 +28,7 @@ pub const TASK_KINDS: [&str; 14] = [
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
-const EQUILIBRIA: [&str; 6] = ["log", "from", "start", "state", "spectrum", "detect"];
+const EQUILIBRIA: [&str; 7] = ["log", "from", "start", "state", "spectrum", "all_eigenvalues", "detect"];
 const CYCLES: [&str; 9] =
     ["from", "intervals", "tolerance", "degree", "points", "multipliers", "symmetry", "detect", "relative"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
@@ -148,6 +148,7 @@ fn equilibria(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> 
             Some(entry) => entry.count(0..=MAX_COLUMNS)?,
             None => 0,
         },
+        all_eigenvalues: section.get("all_eigenvalues").map(|entry| entry.flag()).transpose()?,
         detect: match section.get("detect") {
             Some(entry) => detect(&entry, &["HB", "LP", "BP"])?,
             None => Vec::new(),

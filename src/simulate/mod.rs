@@ -15,6 +15,7 @@
 //! doi:10.1137/1.9781611971224, chapter 5).
 
 mod attractor;
+mod drift;
 mod equations;
 mod event;
 mod form;
