@@ -59,7 +59,7 @@ const NEAR: f64 = 1e-8;
 const AGREEMENT: f64 = 0.05;
 const STANDSTILL: f64 = 1e-11;
 /// Beside a saddle-focus, where lambda comes and goes, when it is this near,
-const NEAR_FOCUS: f64 = 1e-5;
+const NEAR_FOCUS: f64 = 5e-5;
 /// all of the last so many points lie so well on the spiral, in parts of the largest distance among them, and that
 /// distance has shrunk so much.
 pub const KEPT: usize = 7;
