@@ -152,6 +152,8 @@ impl Leg<'_> {
             .build_from_eqn(equations);
         let mut problem = problem.map_err(|error| refused(start.t, error.to_string()))?;
         problem.ode_options.min_timestep = LEAST_STEP;
+        // Counted over the whole motion, and each makes the step shorter: the least step ends a vain attempt.
+        problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
         let outcome = match self.control.method {
             Method::Bdf => {
                 let solver = problem.bdf::<FaerSparseLU<f64>>();
