@@ -4,7 +4,7 @@
 use super::outcome::{Outcome, Status, joined, labels};
 use super::start::{StartError, coordinates, equilibrium};
 use super::study::Prepared;
-use super::watch::{Watch, interrupted};
+use super::watch::Watch;
 use crate::bifurcation::{BogdanovTakens, FoldCurve, FoldSegment, FoldTest, Segment, Test, ZeroHopf, reverse};
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Counts, Failure, Point, StepControl, Stop, Walk};
@@ -146,7 +146,7 @@ impl Tool<'_> {
         let mut walk = Walk::new(&mut curve, start, control, (low, high));
         let mut samples: Vec<Sample> = Vec::new();
         let (status, reason) = loop {
-            if interrupted() {
+            if self.watch.stopped() {
                 break (Status::Interrupted, Stop::Interrupted.to_string());
             }
             if samples.len() >= most {

@@ -22,6 +22,7 @@ mod simulate;
 mod start;
 mod stored_cycle;
 mod study;
+mod suite;
 mod summary;
 mod template;
 mod watch;
@@ -32,6 +33,7 @@ pub use describe::{models, one_model};
 pub use figures::redraw;
 pub use import::import;
 pub use plan::plan;
+pub use suite::{Case, folder as results_folder, store as store_cases, table as case_table};
 pub use summary::{Expected, Summary};
 pub use template::template;
 pub use watch::INTERRUPTED;
@@ -139,9 +141,9 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
     let start = Instant::now();
     let ready = ready(scene, &options.only)?;
     let folder = Folder::open(&options.out, &scene.name)?;
-    let watch = Watch::new(options.quiet);
-    // The scene, wherever its file lies.
-    let identity = format!("{:?}", Scene { path: PathBuf::new(), ..scene.clone() });
+    let watch = Watch::new(options.quiet, scene.budget);
+    // The scene, wherever its file lies and however long it may take.
+    let identity = format!("{:?}", Scene { path: PathBuf::new(), budget: None, ..scene.clone() });
     let keeper = Keeper::new(folder.path("resume"), identity, options.resume);
     if !options.resume {
         folder.clear(ready.tasks.iter().map(|(task, _)| task.name.as_str()))?;
@@ -152,14 +154,17 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
     let mut outcomes: Vec<Outcome> = Vec::new();
     for (task, prepared) in &ready.tasks {
         watch.task(&task.name);
-        let found = match keeper.finished(&task.name) {
+        let mut found = match keeper.finished(&task.name) {
             Some(found) => found,
             None => perform((task, home), prepared, &outcomes, &keeper, &watch),
         };
         if found.iter().all(|outcome| outcome.status == Status::Done) {
             keeper.finish(&task.name, &found);
         }
-        for outcome in &found {
+        for outcome in &mut found {
+            if let (Status::Interrupted, Some(spent)) = (outcome.status, watch.spent()) {
+                outcome.reason = spent;
+            }
             watch.say(format!("{}: {:?}, {}", outcome.branch.name, outcome.status, outcome.reason));
             folder.write_branch(&outcome.branch)?;
         }

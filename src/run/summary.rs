@@ -60,6 +60,27 @@ pub struct Expected {
     pub expected: f64,
     pub tolerance: f64,
     pub met: bool,
+    /// What was printed as the number's error.
+    pub error: Option<f64>,
+}
+
+impl Expected {
+    /// What errors are relative to.
+    pub fn scale(&self) -> f64 {
+        if self.expected == 0.0 { 1.0 } else { self.expected.abs() }
+    }
+
+    /// How far the number is off, relatively unless zero is expected.
+    pub fn distance(&self) -> Option<f64> {
+        self.value.map(|value| (value - self.expected).abs() / self.scale())
+    }
+
+    /// Whether the number is within its printed error, or off by no more than the rounding of a few operations.
+    pub fn right(&self) -> bool {
+        let rounding = 4.0 * f64::EPSILON * self.expected.abs();
+        let allowed = self.error.unwrap_or(0.0).max(rounding);
+        self.value.is_some_and(|value| (value - self.expected).abs() <= allowed)
+    }
 }
 
 impl Summary {
@@ -102,7 +123,8 @@ impl Summary {
                 let scale = if e.value == 0.0 { 1.0 } else { e.value.abs() };
                 let met = value.is_some_and(|v| (v - e.value).abs() <= e.tolerance * scale);
                 let key = format!("{}.{}", e.label, e.quantity);
-                Expected { key, value, expected: e.value, tolerance: e.tolerance, met }
+                let error = point.and_then(|p| p.errors.get(&e.quantity).copied());
+                Expected { key, value, expected: e.value, tolerance: e.tolerance, met, error }
             })
             .collect();
         Self {

@@ -45,6 +45,10 @@ pub struct Scene {
     /// The file's stem: names the output folder.
     pub name: String,
     pub title: String,
+    /// Seconds that a run may take: then it stops after the current point, as if interrupted.
+    pub budget: Option<f64>,
+    /// What limits its accuracy or reach, in words, for the table of a suite.
+    pub limit: String,
     pub model: ModelChoice,
     pub parameters: Vec<Setting>,
     pub tasks: Vec<Task>,

@@ -15,7 +15,7 @@ pub(super) struct Override {
 /// Longest path; `task.beat.values.p` has four parts.
 const MAX_PARTS: usize = 8;
 
-const ROOTS: [&str; 5] = ["title", "model", "parameters", "task", "figure"];
+const ROOTS: [&str; 6] = ["title", "budget", "model", "parameters", "task", "figure"];
 
 impl Override {
     pub fn parse(argument: &str) -> Result<Override, SceneError> {

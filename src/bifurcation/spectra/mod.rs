@@ -45,6 +45,8 @@ pub struct Spectra<'a> {
     system: &'a Equilibria,
     wanted: usize,
     shift: f64,
+    /// Once it says so, no more eigenvalues are computed than are needed for what is there.
+    stopped: &'a (dyn Fn() -> bool + Sync),
     /// How far along the imaginary axis none was missed, where not all eigenvalues are computed.
     pub reach: Option<Reach>,
 }
@@ -92,15 +94,19 @@ const SAME: f64 = 1e-6;
 /// Pairs that stay closer than this part of the spectrum's visible height over a whole step are not looked at.
 const VISIBLE: f64 = 0.01;
 
+/// Samples looked at before the time is.
+const BATCH: usize = 16;
+
 impl<'a> Spectra<'a> {
-    /// Computes all samples' eigenvalues, in parallel.
+    /// Computes all samples' eigenvalues, in parallel; those that come too late, when `stopped`, are left out.
     pub fn new(
         system: &'a Equilibria,
         wanted: usize,
-        samples: &mut [Sample],
+        stopped: &'a (dyn Fn() -> bool + Sync),
+        samples: &mut Vec<Sample>,
         counts: &mut Counts,
     ) -> Result<Self, Failure> {
-        let mut tool = Self { system, wanted, shift: 1.0, reach: None };
+        let mut tool = Self { system, wanted, shift: 1.0, stopped, reach: None };
         // The shift: the size of the wanted eigenvalues, found by asking twice at both ends.
         for _ in 0..2 {
             let mut size = 0.0_f64;
@@ -115,8 +121,15 @@ impl<'a> Spectra<'a> {
             let reach = Reach::of(&found);
             Ok((tool.chosen(found), reach))
         };
-        let spectra: Result<Vec<_>, _> = samples.par_iter().map(of).collect();
-        let spectra = spectra?;
+        let mut spectra = Vec::with_capacity(samples.len());
+        for batch in samples.chunks(BATCH) {
+            if stopped() && !spectra.is_empty() {
+                break;
+            }
+            let found: Result<Vec<_>, _> = batch.par_iter().map(of).collect();
+            spectra.extend(found?);
+        }
+        samples.truncate(spectra.len());
         counts.spectra += samples.len();
         tool.reach = spectra.iter().filter_map(|(_, reach)| *reach).reduce(Reach::and);
         for (sample, (values, _)) in samples.iter_mut().zip(spectra) {
@@ -175,6 +188,10 @@ impl<'a> Spectra<'a> {
         // The step that is looked at ends at `end`; after too many samples in it, the rest is settled by distance.
         let (mut i, mut end, mut halvings, mut inserted) = (1, 1, 0, 0);
         while i < samples.len() {
+            if (self.stopped)() {
+                samples.truncate(i);
+                break;
+            }
             if i > end {
                 (end, halvings, inserted) = (i, 0, 0);
             }
@@ -235,7 +252,7 @@ impl<'a> Spectra<'a> {
     /// Adds samples where two pairs meet, and around there.
     fn meetings(&self, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
         let mut i = 1;
-        while i < samples.len() {
+        while i < samples.len() && !(self.stopped)() {
             let (a, b) = (&samples[i - 1].values, &samples[i].values);
             if let Some(ends) = Meeting::of_pairs(a, b, 2 * self.wanted + 4) {
                 i += self.exceptional(samples, i, ends, counts)?;
@@ -248,6 +265,9 @@ impl<'a> Spectra<'a> {
     /// Adds samples where a polyline through the followed branches would show corners.
     pub fn smooth(&self, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
         for _ in 0..MOST_REFINEMENTS {
+            if (self.stopped)() {
+                break;
+            }
             let shown = leading(samples, self.wanted);
             let real = |k: usize| samples.iter().map(move |s| s.followed[k].re);
             let top = shown.iter().flat_map(|&k| real(k)).fold(f64::NEG_INFINITY, f64::max);

@@ -14,7 +14,7 @@ pub use special::{VALUES, angle};
 use super::outcome::{Outcome, Status, joined};
 use super::resume::{Checkpoint, Keeper};
 use super::study::Prepared;
-use super::watch::{Watch, interrupted};
+use super::watch::Watch;
 use crate::branch::{Branch, Kind, SpecialPoint};
 use crate::continuation::{Counts, Failure, Point, Stop, Walk, at_lambda, crossing};
 use crate::orbit::bifurcations::{Amplitude, Event, Homoclinic, Passage, Segment, Signs};
@@ -203,7 +203,7 @@ impl Cycles<'_> {
         let width = system.frame.scale_lambda;
         let mut walk = Walk::resume(&mut system, state, (low, high));
         loop {
-            let stopping = interrupted();
+            let stopping = watch.stopped();
             let keeping = stopping || keeper.due();
             if self.pending.len() >= BATCH || keeping {
                 self.make_rows(counts);
