@@ -25,7 +25,7 @@ use super::shape::add_drift;
 use super::turning::turned;
 use super::{FloquetError, Multipliers, Orbit, Points, Scheme, Transitions, adapted, multipliers};
 use crate::continuation::{Border, Factored, Point, System, inner};
-use crate::linalg::{Lu, Matrix, Singular};
+use crate::linalg::{Equilibrated, Matrix, Singular};
 use crate::problem::{At, Direction, Problem, Reflection, Rotation};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
@@ -339,7 +339,7 @@ impl System for Collocation {
 pub struct OrbitFactors {
     condensed: Condensed,
     /// `(x_0, P, c_1, ..., c_K, lambda)`: n condensed rows, the phase rows, the border.
-    ends: Lu<f64>,
+    ends: Equilibrated,
     symmetry: Reflection,
     parts: usize,
     drifts: usize,
@@ -376,7 +376,7 @@ impl OrbitFactors {
                 ends[(n + k, n + s)] = z + if k + 1 == count { direct[s] } else { 0.0 };
             }
         }
-        let ends = Lu::new(ends.as_ref())?;
+        let ends = Equilibrated::new(ends.as_ref())?;
         Ok(Self { condensed, ends, symmetry: frame.symmetry.clone(), parts: frame.parts, drifts: turns.len() })
     }
 

@@ -51,7 +51,8 @@ impl Case {
         let verdict = if met < expect.len() {
             format!("MISSED {} of {}", expect.len() - met, expect.len())
         } else if !stopped.is_empty() {
-            format!("stopped, {}", stopped.join("; "))
+            let why = if summary.success() { "stops as expected" } else { "STOPPED" };
+            format!("{why}: {}", stopped.join("; "))
         } else if right < expect.len() {
             format!("{right} of {} right, the others within tolerance", expect.len())
         } else {

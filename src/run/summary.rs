@@ -28,6 +28,8 @@ pub struct TaskLine {
     pub kind: BranchKind,
     pub status: Status,
     pub reason: String,
+    /// Whether the task ended as the scene expects: done, or for the reason that it names.
+    pub as_expected: bool,
     pub seconds: f64,
     pub points: usize,
     pub counts: Counts,
@@ -90,6 +92,10 @@ impl Summary {
             kind: outcome.branch.kind,
             status: outcome.status,
             reason: outcome.reason.clone(),
+            as_expected: match scene.ends.get(&outcome.branch.name).filter(|_| !scene.overridden) {
+                Some(reason) => outcome.reason.contains(reason.as_str()),
+                None => outcome.status == Status::Done,
+            },
             seconds: outcome.seconds,
             points: outcome.branch.rows.len(),
             counts: outcome.counts,
@@ -140,9 +146,9 @@ impl Summary {
         }
     }
 
-    /// Whether every task was done and every expectation met.
+    /// Whether every task ended as expected and every expectation was met.
     pub fn success(&self) -> bool {
-        self.tasks.iter().all(|task| task.status == Status::Done) && self.expect.iter().all(|e| e.met)
+        self.tasks.iter().all(|task| task.as_expected) && self.expect.iter().all(|e| e.met)
     }
 
     /// What the run found, for people.
@@ -153,6 +159,7 @@ impl Summary {
             let status = match task.status {
                 Status::Done => "done",
                 Status::Interrupted => "interrupted",
+                Status::Failed if task.as_expected => "stopped as expected",
                 Status::Failed => "FAILED",
             };
             let done = [(task.counts.factorisations, "factorisations"), (task.counts.spectra, "spectra")];

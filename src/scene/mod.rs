@@ -54,6 +54,8 @@ pub struct Scene {
     pub tasks: Vec<Task>,
     pub figures: Vec<Figure>,
     pub expect: Vec<Expectation>,
+    /// Tasks that are expected to end otherwise than done, and a part of the reason: `beat.ends = "no step of at least"`.
+    pub ends: BTreeMap<String, String>,
     /// The `--set` arguments laid over the file, as given.
     pub sets: Vec<String>,
     /// Whether one of them changed `[model]` or `[parameters]`: the expectations hold for the scene as written, and

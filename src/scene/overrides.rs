@@ -77,7 +77,7 @@ fn split(key: &str) -> Vec<&str> {
 fn check_path(path: &[&str]) -> Result<(), Fault> {
     match path {
         _ if path.len() > MAX_PARTS => Err(Fault::NotOverridable { key: path.join(".") }),
-        ["title"] | ["model" | "parameters", _, ..] => Ok(()),
+        ["title" | "budget"] | ["model" | "parameters", _, ..] => Ok(()),
         ["task" | "figure", _, key, ..] if *key != "name" => Ok(()),
         [root, ..] if !ROOTS.contains(root) && *root != "expect" => Err(Fault::unknown("section", root, ROOTS)),
         _ => Err(Fault::NotOverridable { key: path.join(".") }),

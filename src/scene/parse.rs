@@ -66,6 +66,7 @@ fn read(root: &Section<'_>, overridden: bool) -> Result<Scene, SceneError> {
         parameters: parameters::read(root)?,
         figures: figures(root, &tasks, &announced)?,
         expect: expect::read(root, &tasks, &announced)?,
+        ends: expect::ends(root, &tasks)?,
         tasks,
         sets: root.source.sets.to_vec(),
         overridden,

@@ -34,6 +34,9 @@ pub struct Between {
     pub special: Special,
 }
 
+/// Multipliers are lost where the trivial one is off by this.
+const LOST: f64 = 0.5;
+
 impl Cycles<'_> {
     /// What to look for along the branch; on half a period a multiplier -1 breaks the symmetry.
     pub fn wanted(&self, parts: usize) -> Vec<Event> {
@@ -155,7 +158,8 @@ impl Cycles<'_> {
         Special { values, errors: errors.into_iter().collect(), cosine: None }
     }
 
-    /// Test functions at a point of the walk; None where they do not exist or nothing is wanted.
+    /// Test functions at a point of the walk; None where they do not exist or nothing is wanted, and where multipliers are
+    /// computed but lost to rounding: where an orbit expands and contracts by more than there are digits, as canards do.
     pub fn signs(
         &self,
         point: &Point,
@@ -164,6 +168,9 @@ impl Cycles<'_> {
         counts: &mut Counts,
     ) -> Option<Signs> {
         if wanted.is_empty() {
+            return None;
+        }
+        if self.task.multipliers > 0 && !factors.multipliers(Some(1)).is_ok_and(|found| found.trivial_error < LOST) {
             return None;
         }
         counts.spectra += usize::from(wanted.iter().any(|event| *event != Event::Fold));

@@ -105,12 +105,13 @@ fn of_hopf(hopf: &Hopf, form: &HopfNormalForm) -> BTreeMap<String, f64> {
         ("lyapunov", form.l1),
         ("dsigma_re", hopf.slope.re),
         ("dsigma_im", hopf.slope.im),
+        ("condition", hopf.condition),
     ])
 }
 
 /// Errors: the same point on the refined discretisation; twice the difference is taken for the error of the present one.
 /// Without a refinement the equations are what they are, and rounding is what is left. Where the refined discretisation has
-/// no such point, nothing is known of it: its error is as large as the number, and the answer says so.
+/// no such point, nothing is known of it: its error is as large as the number, and the answer is false.
 pub fn estimate(
     prepared: &Prepared,
     system: &Equilibria,
@@ -118,24 +119,22 @@ pub fn estimate(
     neighbours: (Option<&Sample>, Option<&Sample>),
     spectra: Option<&Spectra>,
     point: &mut SpecialPoint,
-) -> Option<String> {
+) -> bool {
     let free = &prepared.free_name;
     for (name, step) in rounding(sample, free) {
         let value = point.parameters.get(&name).or(point.values.get(&name)).copied().unwrap_or(0.0);
         point.errors.insert(name, (SAFETY * step).max(error(value, value)));
     }
-    let refined = prepared.problem.refined()?;
+    let Some(refined) = prepared.problem.refined() else { return true };
     let Some((lambda, fine)) = finer(prepared, system, &refined, (sample, neighbours), spectra) else {
         point.errors.extend(point.values.iter().map(|(name, value)| (name.clone(), value.abs())));
         let here = system.coordinate.value(sample.point.lambda);
-        let located = matches!(sample.mark, Some(Mark::Hopf(_) | Mark::Fold(_) | Mark::Branch(_)));
+        let located =
+            matches!(sample.mark, Some(Mark::Hopf(_) | Mark::Fold(_) | Mark::Branch(_) | Mark::Exceptional(_)));
         if located {
             point.errors.insert(free.clone(), here.abs());
         }
-        return located.then(|| {
-            let (label, advice) = (&point.label, "the discretisation does not resolve it; refine it");
-            format!("{label} at {free} = {here:.6} is not there when the discretisation is refined: {advice}")
-        });
+        return !located;
     };
     let here = system.coordinate.value(sample.point.lambda);
     let moved = lambda.map(|lambda| (free.clone(), error(here, lambda)));
@@ -149,7 +148,7 @@ pub fn estimate(
         let known = point.errors.entry(name).or_insert(0.0);
         *known = known.max(error);
     }
-    None
+    true
 }
 
 /// The last Newton steps of what was solved for, by the numbers' names.

@@ -26,7 +26,8 @@ use walk::{Walked, Wanted, walk};
 pub use describe::{SAFETY, error};
 
 /// Numbers of special points that are neither observables nor eigenvalues.
-pub const VALUES: [&str; 9] = ["omega", "frequency", "lyapunov", "growth", "lp_a", "lp_b", "bp_b", "bp_c", "bp_d"];
+pub const VALUES: [&str; 10] =
+    ["omega", "frequency", "lyapunov", "growth", "condition", "lp_a", "lp_b", "bp_b", "bp_c", "bp_d"];
 
 /// Runs the task; numerical trouble ends up in the outcome's status and reason.
 pub fn run(prepared: &Prepared, name: &str, task: &scene::Equilibria, origin: Origin, watch: &Watch) -> Outcome {
@@ -122,20 +123,20 @@ fn follow(
         branch.rows[row].label = Some(short);
         branch.points.push(SpecialPoint::new(label, kind, row));
     }
-    let unresolved = branch.points.par_iter_mut().zip(&marked).map(|(point, &(row, sample, _))| {
+    let confirmed = branch.points.par_iter_mut().zip(&marked).map(|(point, &(row, sample, _))| {
         let drawn = branch.rows[row].label.as_ref().is_some_and(|short| prepared.waves.contains(short));
         describe(prepared, &system, sample, spectra.as_ref().filter(|_| drawn), point);
-        let mut doubt = None;
+        let mut found = true;
         if along.errors && !watch.stopped() {
             let neighbours = (samples.get(row.wrapping_sub(1)), samples.get(row + 1));
-            doubt = estimate(prepared, &system, sample, neighbours, spectra.as_ref(), point);
+            found = estimate(prepared, &system, sample, neighbours, spectra.as_ref(), point);
         }
         if drawn {
             wave::of_mode(prepared, point);
         }
-        doubt
+        found
     });
-    let unresolved: Vec<Option<String>> = unresolved.collect();
+    let confirmed: Vec<bool> = confirmed.collect();
     let status = match stop {
         Stop::Interrupted => Status::Interrupted,
         Stop::Stagnation { .. } => Status::Failed,
@@ -145,8 +146,15 @@ fn follow(
     if let Some(reach) = reach.filter(|reach| !reach.complete) {
         reason += &format!("; {}", checked(reach));
     }
-    for doubt in unresolved.into_iter().flatten() {
-        reason += &format!("; {doubt}");
+    let lost: Vec<&str> = branch
+        .points
+        .iter()
+        .zip(confirmed)
+        .filter(|(_, found)| !found)
+        .map(|(point, _)| point.label.as_str())
+        .collect();
+    if !lost.is_empty() {
+        reason += &format!("; not found on a finer discretisation, so not to be trusted: {}", lost.join(", "));
     }
     Ok(Outcome { branch, status, reason, seconds: 0.0, counts: *counts })
 }
