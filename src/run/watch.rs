@@ -8,6 +8,10 @@ use std::time::Instant;
 /// Set by Ctrl-C; tasks stop after the current point.
 pub static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
+pub fn interrupted() -> bool {
+    INTERRUPTED.load(Ordering::Relaxed)
+}
+
 /// Progress and log of a run, and when it has to stop.
 pub struct Watch {
     bar: ProgressBar,
@@ -29,7 +33,7 @@ impl Watch {
 
     /// Whether tasks are to stop after the current point.
     pub fn stopped(&self) -> bool {
-        INTERRUPTED.load(Ordering::Relaxed) || self.spent().is_some()
+        interrupted() || self.spent().is_some()
     }
 
     /// That the budget is spent, in a sentence.
