@@ -70,7 +70,7 @@ pub fn task(variant: &Variant) -> String {
 pub fn once(variant: &Variant) -> (Result<Numbers, String>, Taken) {
     let (start, busy) = (Instant::now(), ProcessTime::try_now().ok());
     let computed = ready(&variant.scene, &[task(variant)])
-        .and_then(|ready| Ok(ready.compute(&Keeper::idle(), &Watch::new(true), &|_| Ok(()))?));
+        .and_then(|ready| Ok(ready.compute(&Keeper::idle(), &Watch::new(true, None), &|_| Ok(()))?));
     let wall = start.elapsed().as_secs_f64();
     let processor = busy.and_then(|busy| busy.try_elapsed().ok()).map_or(f64::NAN, |busy| busy.as_secs_f64());
     let numbers = computed.map_err(|error| error.to_string()).and_then(|outcomes| numbers(&variant.point, &outcomes));

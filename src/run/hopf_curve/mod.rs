@@ -9,7 +9,7 @@ use super::locus;
 use super::outcome::{Outcome, Status, joined};
 use super::start::coordinates;
 use super::study::Prepared;
-use super::watch::{Watch, interrupted};
+use super::watch::Watch;
 use crate::bifurcation::{Coordinate, HopfCurve, HopfSegment, Locus, Test, reverse};
 use crate::branch::{Branch, BranchKind, Column, Kind, SpecialPoint};
 use crate::continuation::{Counts, Point, StepControl, Stop, Walk};
@@ -169,7 +169,7 @@ impl Curve<'_> {
         let mut pending: Vec<Reached> = Vec::new();
         loop {
             let end: Option<(Status, String)>;
-            if interrupted() {
+            if self.watch.stopped() {
                 end = Some((Status::Interrupted, Stop::Interrupted.to_string()));
             } else if samples.len() + pending.len() >= most {
                 end = Some((Status::Done, Stop::MaxPoints.to_string()));
