@@ -20,17 +20,21 @@ fn explore() {
         let v: Vec<f64> = (0..n).map(|i| 3.0*(1.7*i as f64).cos()).collect();
         println!("{n} {:.1e}", check_derivatives(&*f.problem, At{u:&u,v:&v,p:&f.p}));
     }
-    for k in 2..=8 {
-      for e in [2,3,4,5,6,8,12,16] {
-        let f = mixed(e,k,1.0);
-        if f.problem.dim() > 300 { continue }
+
+    for (e,k) in [(4,8),(5,8),(6,8),(8,8),(10,8),(12,6),(16,4),(40,4)] { for g in [1.0,1.15,1.3,1.5,2.0] {
+        if e>12 && g>1.0 {continue}
+        let f = mixed(e,k,g);
         let t = std::time::Instant::now();
-        let h = f.hopf(338.0,0);
+        let q = f.clone().with("p",338.0);
+        let (gu,gv)=q.problem.matrices(At{u:&q.straight(),v:&q.straight(),p:&q.p});
+        let near = hopfline::linalg::nearest(&gu,&gv,hopfline::linalg::c64::new(0.0,200.0),4).unwrap();
+        let t0 = t.elapsed().as_secs_f64()*1e3;
+        let t = std::time::Instant::now();
+        let h = hopfline::bifurcation::Hopf::locate(&*q.problem,(&q.straight(),&q.p),q.index("p"),near[0].value.im,&near[0].vector).unwrap();
         let t1 = t.elapsed().as_secs_f64()*1e3;
         let p = h.p[f.index("p")];
-        println!("k {k} E {e} n {} dof {}: p {p} {:.2e} omega {:.2e}  {t1:.1} ms", f.problem.dim(), e*k, p/338.889485397848-1.0, h.omega/202.675023170-1.0);
-      }
-    }
+        println!("k {k} E {e} g {g} n {} dof {}: p {p} {:.2e} omega {:.2e}  {t0:.1} {t1:.1} ms", f.problem.dim(), e*k, p/338.889485397848-1.0, h.omega/202.675023170-1.0);
+    }}
     for k in [12,16,20,24,28] {
         let f = Flagellum::new(k, Load::Uniform, Law::Printed);
         let t = std::time::Instant::now();
@@ -38,5 +42,23 @@ fn explore() {
         let t1 = t.elapsed().as_secs_f64()*1e3;
         let p = h.p[f.index("p")];
         println!("min K {k}: p {p} {:.2e} {t1:.1} ms", p/338.889485397848-1.0);
+    }
+}
+
+#[test]
+fn beats() {
+    for (e,k,g,int) in [(4,8,1.2,8),(5,8,1.2,8)] {
+        let t = std::time::Instant::now();
+        let f = mixed(e,k,g);
+        for c in f.cycles(338.0,&[340.0,360.0],(int,4)) {
+            println!("{e} {k} {g} {int}: f {} y {} mult {:?}   {:.2} s", 1.0/c.orbit.period(), c.deflection, &c.multipliers.values[..2], t.elapsed().as_secs_f64());
+        }
+    }
+    for (k,int) in [(28,8),(36,8)] {
+        let t = std::time::Instant::now();
+        let f = Flagellum::new(k,Load::Uniform,Law::Printed);
+        for c in f.cycles(338.0,&[340.0,360.0],(int,4)) {
+            println!("min {k} {int}: f {} y {} mult {:?}   {:.2} s", 1.0/c.orbit.period(), c.deflection, &c.multipliers.values[..2], t.elapsed().as_secs_f64());
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::super::parameters::Groups;
 use super::MixedTwoDoublet;
-use super::density::{INPUTS, OUTPUTS, Part, counts, density};
+use super::density::{INPUTS, OUTPUTS, Part, UNITS, counts, density};
 use super::elements::{Cell, Elements, Field};
 use crate::linalg::{Banded, Matrix};
 use crate::problem::{At, Scalar};
@@ -35,9 +35,10 @@ impl MixedTwoDoublet {
     /// The inputs of the density at a point.
     fn inputs<S: Scalar>(&self, cell: &Cell, point: usize, (u, v): (&[S], &[S])) -> [S; 17] {
         let mut z = [S::from(0.0); 17];
-        for (z, (field, part)) in z.iter_mut().zip(INPUTS).take(counts(self.law).0) {
-            let field = &self.elements.fields[field];
+        for (z, (i, part)) in z.iter_mut().zip(INPUTS).take(counts(self.law).0) {
+            let field = &self.elements.fields[i];
             let (shapes, scale) = functions(&self.elements, cell, field, part, point);
+            let scale = scale * UNITS[i];
             let from = if part == Part::Rate { v } else { u };
             let sum = field.places.iter().zip(shapes).fold(S::from(0.0), |sum, (&i, &shape)| sum + from[i] * shape);
             *z = sum * scale;
@@ -56,13 +57,13 @@ impl MixedTwoDoublet {
             for (point, weight) in elements.weights.iter().enumerate() {
                 let z = self.inputs(cell, point, (&u, &v));
                 let y = density(self.law, &groups, straight[point], &z);
-                for (&y, (test, part)) in y.iter().zip(OUTPUTS).take(counts(self.law).1) {
-                    let test = &elements.tests[test];
+                for (&y, (i, part)) in y.iter().zip(OUTPUTS).take(counts(self.law).1) {
+                    let test = &elements.tests[i];
                     if test.broken && part == Part::Slope {
                         continue;
                     }
                     let (shapes, scale) = functions(elements, cell, test, part, point);
-                    let factor = y * (weight * cell.width * scale);
+                    let factor = y * (weight * cell.width * scale / UNITS[i]);
                     test.places.iter().zip(shapes).for_each(|(&i, &shape)| sums[i] += factor * shape);
                 }
             }
@@ -95,7 +96,7 @@ impl MixedTwoDoublet {
                     })
                     .collect();
                 for (o, (test, part)) in OUTPUTS.into_iter().enumerate().take(outputs) {
-                    let test = &elements.tests[test];
+                    let (test, unit) = (&elements.tests[test], UNITS[test]);
                     if test.broken && part == Part::Slope {
                         continue;
                     }
@@ -106,15 +107,15 @@ impl MixedTwoDoublet {
                         if slope == 0.0 {
                             continue;
                         }
-                        let field = &elements.fields[field];
+                        let (field, unit) = (&elements.fields[field], UNITS[field]);
                         let (shapes, scale) = functions(elements, cell, field, part, point);
                         let row = if part == Part::Rate { &mut row_rate } else { &mut row_state };
                         rates |= part == Part::Rate;
-                        field.places.iter().zip(shapes).for_each(|(&j, &shape)| row[j] += slope * scale * shape);
+                        field.places.iter().zip(shapes).for_each(|(&j, &shape)| row[j] += slope * scale * unit * shape);
                     }
                     let (shapes, scale) = functions(elements, cell, test, part, point);
                     for (&i, &shape) in test.places.iter().zip(shapes) {
-                        let factor = weight * cell.width * scale * shape;
+                        let factor = weight * cell.width * scale / unit * shape;
                         add(&mut by_state[i * width..(i + 1) * width], factor, &row_state);
                         if rates {
                             add(&mut by_rate[i * width..(i + 1) * width], factor, &row_rate);

@@ -22,6 +22,13 @@ pub mod field {
 }
 use field::{F, H, N, PSI, T};
 
+/// Forces of 1000 EI/L² are as common in beats as angles of one: these units of T, N and f give all unknowns one size, as
+/// arclength and the errors of orbits, which weigh all unknowns alike, expect.
+pub const FORCE: f64 = 1000.0;
+
+/// The unit of each field's unknowns; equations are divided by that of the field at whose places they are.
+pub const UNITS: [f64; 8] = [1.0, 1.0, FORCE, FORCE, FORCE, FORCE, FORCE, 1.0];
+
 /// What of the fields enters, those of h at the end.
 pub const INPUTS: [(usize, Part); 17] = [
     (PSI, Value),

@@ -2,6 +2,7 @@
 
 use super::super::parameters::{EPS, Groups, Law, index};
 use super::MixedTwoDoublet;
+use super::density::FORCE;
 use super::density::field::{PSI, T};
 use crate::models::rod::{line, peak, times};
 use crate::problem::At;
@@ -77,7 +78,7 @@ fn energy(model: &MixedTwoDoublet, at: At) -> f64 {
 fn base_tension(model: &MixedTwoDoublet, n: usize, at: At) -> f64 {
     let groups = Groups::new(at.p, model.law);
     let straight = model.straight_tension(&groups, &[0.0], at.p)[0];
-    let excess = model.elements.at(T + n, at.u, 0.0);
+    let excess = FORCE * model.elements.at(T + n, at.u, 0.0);
     (EPS[n] * straight + excess) * at.p[index::EI] / at.p[index::L].powi(2)
 }
 
