@@ -41,7 +41,7 @@ pub static REGISTRY: &[Model] = &[
             ("functions", "28, from 2 to 400", "basis functions per doublet (form = \"minimal\")"),
             ("elements", "4, from 1 to 1000", "elements along the doublets (form = \"mixed\")"),
             ("degree", "8, from 2 to 8", "degree of the angles on an element (form = \"mixed\")"),
-            ("grading", "1, from 1 to 10", "an element's length over that of its neighbour nearer to an end (form = \"mixed\")"),
+            ("grading", "1.2, from 1 to 10", "an element's length over that of its neighbour nearer to an end (form = \"mixed\")"),
         ],
         build: flagellum::build,
     },

@@ -55,7 +55,10 @@ impl Options {
         let (found, value) = match self.0.get(key) {
             None => return Ok(default),
             Some(Choice::Integer(i)) => (i.to_string(), Some(*i as f64)),
-            Some(Choice::Text(text)) => (text.clone(), text.parse().ok()),
+            Some(Choice::Text(text)) => match text.parse() {
+                Ok(value) => (text.clone(), Some(value)),
+                Err(_) => (format!("\"{text}\""), None),
+            },
         };
         value.filter(|value| (least..=most).contains(value)).ok_or_else(|| ModelError::Value {
             key: key.into(),

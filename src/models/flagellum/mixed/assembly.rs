@@ -33,8 +33,8 @@ fn functions<'a>(
 
 impl MixedTwoDoublet {
     /// The inputs of the density at a point.
-    fn inputs<S: Scalar>(&self, cell: &Cell, point: usize, (u, v): (&[S], &[S])) -> [S; 17] {
-        let mut z = [S::from(0.0); 17];
+    fn inputs<S: Scalar>(&self, cell: &Cell, point: usize, (u, v): (&[S], &[S])) -> [S; 16] {
+        let mut z = [S::from(0.0); 16];
         for (z, (i, part)) in z.iter_mut().zip(INPUTS).take(counts(self.law).0) {
             let field = &self.elements.fields[i];
             let (shapes, scale) = functions(&self.elements, cell, field, part, point);
@@ -59,9 +59,6 @@ impl MixedTwoDoublet {
                 let y = density(self.law, &groups, straight[point], &z);
                 for (&y, (i, part)) in y.iter().zip(OUTPUTS).take(counts(self.law).1) {
                     let test = &elements.tests[i];
-                    if test.broken && part == Part::Slope {
-                        continue;
-                    }
                     let (shapes, scale) = functions(elements, cell, test, part, point);
                     let factor = y * (weight * cell.width * scale / UNITS[i]);
                     test.places.iter().zip(shapes).for_each(|(&i, &shape)| sums[i] += factor * shape);
@@ -97,9 +94,6 @@ impl MixedTwoDoublet {
                     .collect();
                 for (o, (test, part)) in OUTPUTS.into_iter().enumerate().take(outputs) {
                     let (test, unit) = (&elements.tests[test], UNITS[test]);
-                    if test.broken && part == Part::Slope {
-                        continue;
-                    }
                     row_state.fill(0.0);
                     row_rate.fill(0.0);
                     let mut rates = false;

@@ -30,7 +30,7 @@ pub const FORCE: f64 = 1000.0;
 pub const UNITS: [f64; 8] = [1.0, 1.0, FORCE, FORCE, FORCE, FORCE, FORCE, 1.0];
 
 /// What of the fields enters, those of h at the end.
-pub const INPUTS: [(usize, Part); 17] = [
+pub const INPUTS: [(usize, Part); 16] = [
     (PSI, Value),
     (PSI + 1, Value),
     (PSI, Slope),
@@ -47,7 +47,6 @@ pub const INPUTS: [(usize, Part); 17] = [
     (N + 1, Slope),
     (F, Value),
     (H, Value),
-    (H, Rate),
 ];
 
 /// What multiplies the test functions, which are numbered like the fields at whose places their equations are.
@@ -74,19 +73,22 @@ pub const OUTPUTS: [(usize, Part); 16] = [
 pub fn counts(law: Law) -> (usize, usize) {
     match law {
         Law::Printed => (15, 14),
-        Law::Separation => (17, 16),
+        Law::Separation => (16, 16),
     }
 }
 
 /// The outputs from the inputs, in the order of both tables; `straight` is `P int_x^1 D`, the straight state's tension in
 /// doublet 1. The letters are those of the module's weak form.
-pub fn density<S: Scalar>(law: Law, g: &Groups<S>, straight: S, z: &[S; 17]) -> [S; 16] {
+pub fn density<S: Scalar>(law: Law, g: &Groups<S>, straight: S, z: &[S; 16]) -> [S; 16] {
     let zero = S::from(0.0);
     let mut y = [zero; 16];
     let mean = (z[0] + z[1]) * 0.5;
     let mean_rate = (z[4] + z[5]) * 0.5;
     let moment = -(g.kappa_t * mean + g.beta_t * mean_rate + g.kappa_3t * mean * mean * mean);
-    let f = z[14];
+    let f = match law {
+        Law::Printed => z[14],
+        Law::Separation => z[14] - g.kappa_3n * z[15] * z[15] * z[15],
+    };
     for n in 0..2 {
         let (bend, rate, excess, excess_x, normal, normal_x) =
             (z[2 + n], z[4 + n], z[6 + n], z[8 + n], z[10 + n], z[12 + n]);
@@ -101,18 +103,11 @@ pub fn density<S: Scalar>(law: Law, g: &Groups<S>, straight: S, z: &[S; 17]) -> 
         y[10 + n] = along_n;
     }
     let difference = z[0] - z[1];
+    y[12] = -(g.kappa_n * difference + g.beta_n * (z[4] - z[5]));
+    y[13] = z[14];
     match law {
-        Law::Printed => {
-            let cubic = g.kappa_3n * difference * difference * difference;
-            y[12] = -(g.kappa_n * difference + g.beta_n * (z[4] - z[5]) + cubic);
-            y[13] = f;
-        }
-        Law::Separation => {
-            let h = z[15];
-            y[12] = f + g.kappa_n * h + g.beta_n * z[16] + g.kappa_3n * h * h * h;
-            y[14] = difference;
-            y[15] = h;
-        }
+        Law::Printed => y[12] -= g.kappa_3n * difference * difference * difference,
+        Law::Separation => (y[14], y[15]) = (difference, z[15]),
     }
     y
 }

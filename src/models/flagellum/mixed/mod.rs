@@ -24,7 +24,7 @@
 //! ```
 //!
 //! Every condition on velocities, moments and f_N is natural. In `law = "separation"` h is an unknown like f_N,
-//! `int h g_x + Delta g = 0`, and `int (f_N + kappa_N h + beta_N h_t + kappa_3 h³) g' = 0` for all broken g'.
+//! `int h g_x + Delta g = 0`, the last row above has no kappa_3, and what it gives is `f_N + kappa_3 h³`: h_t would make the index two.
 //!
 //! # Spaces
 //!
