@@ -69,6 +69,11 @@ pub(super) struct Groups<S> {
 }
 
 impl<S: Scalar> Groups<S> {
+    /// Whether no moment couples the doublets.
+    pub fn shearless(&self) -> bool {
+        self.kappa_t.vanishes() && self.beta_t.vanishes() && self.kappa_3t.vanishes()
+    }
+
     /// From all parameters; the cubic stiffness has the unit that the law gives it.
     pub fn new(p: &[S], law: Law) -> Self {
         use index::{A, B_N, B_T, C_N, C_T, EI, K_3N, K_3T, K_N, K_T, L, P};
