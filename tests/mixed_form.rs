@@ -10,6 +10,8 @@ use hopfline::linalg::Matrix;
 use hopfline::models::{Law, Load, Mesh, MixedTwoDoublet};
 use hopfline::orbit::{Collocation, Frame, Multipliers, Orbit, Points, from_hopf, half_period};
 use hopfline::problem::{At, Automatic, check_derivatives};
+use hopfline::run::{RunOptions, run};
+use hopfline::scene::Scene;
 use std::sync::Arc;
 
 fn mixed((elements, degree, grading): (usize, usize, f64), load: Load, law: Law) -> Flagellum {
@@ -262,6 +264,72 @@ fn both_forms_have_the_same_beats() {
         near("multiplier", multipliers.values[0].re, others.values[0].re, 1e-6);
         assert!(multipliers.trivial_error < 1e-6, "{:.1e}", multipliers.trivial_error);
     }
+}
+
+const SCENE: &str = r#"
+title = "Few elements, their own onset at 347"
+[model]
+name = "two-doublet"
+form = "mixed"
+elements = 2
+degree = 6
+[[task]]
+name = "straight"
+kind = "equilibria"
+free = "p"
+range = [340, 360]
+detect = ["HB"]
+[[task]]
+name = "onset"
+kind = "hopf-curve"
+from = "straight/HB1"
+free = ["p", "k_N"]
+range = { k_N = [990, 10000] }
+errors = false
+[[task]]
+name = "beat"
+kind = "cycles"
+from = "straight/HB1"
+free = "p"
+range = [340, 355]
+multipliers = 2
+observables = ["base_tension_1"]
+[[task]]
+name = "motion"
+kind = "simulate"
+from = "straight/HB1"
+amplitude = 0.05
+over = { p = [355] }
+time = [0, 1]
+tolerance = 1e-7
+"#;
+
+#[test]
+fn scenes_run_in_it_and_simulation_settles_on_the_collocated_cycle() {
+    let out = tempfile::tempdir().expect("a folder");
+    let path = out.path().join("few.toml");
+    std::fs::write(&path, SCENE).expect("a file");
+    let scene = Scene::load(&path, &[]).expect("a scene");
+    let options = RunOptions { out: out.path().join("output"), only: Vec::new(), resume: false, quiet: true };
+    let summary = run(&scene, &options).expect("a run");
+    let reasons: Vec<_> = summary.tasks.iter().map(|task| (&task.name, &task.reason)).collect();
+    assert!(summary.success(), "{reasons:?}");
+    let value = |label: &str, quantity: &str| {
+        let point = summary.points.iter().find(|point| point.label == label).expect(label);
+        (point.values[quantity], point.errors.get(quantity).copied().unwrap_or(f64::NAN))
+    };
+    let (collocated, _) = value("beat/EP1", "frequency");
+    let (simulated, error) = value("motion/LC1", "frequency");
+    close("frequency", simulated, collocated, 1e-6);
+    assert!((simulated - collocated).abs() < 2.0 * error, "{simulated} ± {error}, collocated {collocated}");
+    // Two elements are far from the exact onset, and know it.
+    let (p, error) = summary
+        .points
+        .iter()
+        .find(|point| point.label == "straight/HB1")
+        .map(|point| (point.parameters["p"], point.errors["p"]))
+        .expect("an onset");
+    assert!((p - ONSET).abs() < 3.0 * error && error < 10.0, "{p} ± {error}");
 }
 
 #[test]

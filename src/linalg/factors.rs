@@ -44,7 +44,8 @@ impl Factors {
             Factors::Dense(lu) => lu.solve_many(b.as_mut()),
             Factors::Banded(lu) => {
                 let (rows, columns) = (b.nrows(), b.ncols());
-                let mut by_rows: Vec<f64> = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|at| b[at]).collect();
+                let mut by_rows: Vec<f64> =
+                    (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|at| b[at]).collect();
                 lu.solve_many(&mut by_rows, columns);
                 (0..columns).for_each(|j| (0..rows).for_each(|i| b[(i, j)] = by_rows[i * columns + j]));
             }

@@ -112,8 +112,7 @@ impl Algebraic {
         let rows = inner.remaining();
         let end = Lu::new(rows.subcols(nx, nx))?;
         // x_b = rho - [C E] (x_a, z), and y_b from it.
-        let mut reach =
-            Mat::from_fn(nx, nx + count, |i, j| if j < nx { rows[(i, j)] } else { rows[(i, nx + j)] });
+        let mut reach = Mat::from_fn(nx, nx + count, |i, j| if j < nx { rows[(i, j)] } else { rows[(i, nx + j)] });
         end.solve_many(reach.as_mut());
         let images = &points[m - 1].images;
         let mut reach_still = images.as_ref().subcols(0, nx) * &reach;

@@ -17,13 +17,7 @@ fn local<S: Scalar>(elements: &Elements, cell: &Cell, u: &[S]) -> Vec<S> {
 }
 
 /// The functions of a field at a point that go with one part of it, and what their slopes are multiplied by.
-fn functions<'a>(
-    elements: &'a Elements,
-    cell: &Cell,
-    field: &'a Field,
-    part: Part,
-    point: usize,
-) -> (&'a [f64], f64) {
+fn functions<'a>(elements: &'a Elements, cell: &Cell, field: &'a Field, part: Part, point: usize) -> (&'a [f64], f64) {
     let shapes = elements.shapes(field);
     match part {
         Part::Slope => (&shapes.slope[point], 1.0 / cell.width),
