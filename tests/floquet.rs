@@ -3,7 +3,7 @@
 mod common;
 
 use common::{close, near, parameter};
-use faer::Mat;
+use faer::{Mat, MatRef};
 use hopfline::continuation::{Border, Counts, System, correct};
 use hopfline::linalg::Singular;
 use hopfline::linalg::periodic::{PeriodicError, Product};
@@ -186,11 +186,16 @@ fn half_the_product_and_the_symmetry_give_the_whole() {
     assert!(half.trivial_error < 1e-13 && whole.trivial_error < 1e-13);
 }
 
+fn split(rows: MatRef<'_, f64>) -> Rows<'_> {
+    let n = rows.nrows();
+    Rows { c: rows.subcols(0, n), d: Some(rows.subcols(n, n)), e: rows.subcols(2 * n, rows.ncols() - 2 * n) }
+}
+
 #[test]
 fn transitions_solve_the_condensed_rows() {
     let rows = |seed: f64| Mat::from_fn(4, 10, |i, j| (seed * ((1 + i * 10 + j) as f64).powi(2)).sin());
     let intervals = [rows(1.3), rows(2.9)];
-    let views = intervals.each_ref().map(|rows| rows.as_ref());
+    let views = intervals.each_ref().map(|rows| split(rows.as_ref()));
     let transitions = Transitions::new(&views).expect("maps");
     assert_eq!((transitions.dim(), transitions.factors()), (4, 2));
     for (j, rows) in intervals.iter().enumerate() {
@@ -203,7 +208,7 @@ fn transitions_solve_the_condensed_rows() {
             near("A x", y[i], (0..4).map(|k| a[(i, k)] * x[k]).sum(), 1e-13);
         }
     }
-    assert!(matches!(Transitions::new(&[Mat::zeros(3, 8).as_ref()]), Err(Singular)));
+    assert!(matches!(Transitions::new(&[split(Mat::zeros(3, 8).as_ref())]), Err(Singular)));
 }
 
 #[test]

@@ -11,6 +11,7 @@
 //! the largest distance of these from 1 bounds from below how wrong the others are (on
 //! an even mesh it can be far smaller than the orbit's own error, which refinement tells).
 
+use super::Rows;
 use crate::linalg::periodic::{self, Eigenvalue, PeriodicError, Product};
 use crate::linalg::{Lu, Singular, c64};
 use crate::problem::Reflection;
@@ -81,14 +82,9 @@ struct Transition<'a> {
 }
 
 impl<'a> Transitions<'a> {
-    /// From each interval's condensed rows `[C D ..]`.
-    pub fn new(intervals: &[MatRef<'a, f64>]) -> Result<Self, Singular> {
-        let one = |rows: &MatRef<'a, f64>| {
-            let n = rows.nrows();
-            let (c, d) = (rows.subcols(0, n), rows.subcols(n, n));
-            let negated = (0..n).all(|j| (0..n).all(|i| d[(i, j)] == if i == j { -1.0 } else { 0.0 }));
-            Ok(Transition { c, d: if negated { None } else { Some(Lu::new(d)?) } })
-        };
+    /// From each interval's condensed rows.
+    pub fn new(intervals: &[Rows<'a>]) -> Result<Self, Singular> {
+        let one = |&Rows { c, d, .. }: &Rows<'a>| Ok(Transition { c, d: d.map(Lu::new).transpose()? });
         Ok(Self(intervals.par_iter().map(one).collect::<Result<_, _>>()?))
     }
 }
