@@ -49,6 +49,9 @@ pub struct Frame {
     pub scale_lambda: f64,
 }
 
+/// Cosine of the angle that a phase condition may make with that of the present orbit.
+const TURNED: f64 = 0.9;
+
 /// The system on one mesh.
 #[derive(Clone)]
 pub struct Collocation {
@@ -117,6 +120,12 @@ impl Collocation {
         x.push(orbit.part);
         x.extend_from_slice(&orbit.drift);
         x
+    }
+
+    /// What the phase conditions make of unknowns: zero, for a solution.
+    pub fn phases(&self, x: &[f64]) -> Vec<f64> {
+        let nodes = &x[..self.phase.len()];
+        std::iter::once(&self.phase).chain(&self.turns).map(|row| crate::linalg::dot(row, nodes)).collect()
     }
 
     /// Drift velocities among the unknowns.
@@ -274,11 +283,7 @@ impl System for Collocation {
         let (n, m) = (self.n(), self.scheme.degree);
         let (equations, phase) = r.split_at_mut(self.intervals() * m * n);
         self.equations(&self.orbit(x), &self.parameters(lambda), equations);
-        let nodes = &x[..equations.len()];
-        phase[0] = crate::linalg::dot(&self.phase, nodes);
-        for (r, turn) in phase[1..].iter_mut().zip(&self.turns) {
-            *r = crate::linalg::dot(turn, nodes);
-        }
+        phase.copy_from_slice(&self.phases(x));
     }
 
     fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<OrbitFactors, Singular> {
@@ -302,7 +307,8 @@ impl System for Collocation {
         self.frame.scale_lambda.powi(-2)
     }
 
-    /// Moves the mesh where the error is spread too unevenly, and takes the point as phase reference.
+    /// Moves the mesh where the error is spread too unevenly, and takes the point as phase reference then, or when its
+    /// phase condition has turned away from the present one: factors of the last step serve the better without.
     fn prepare(&mut self, point: &mut Point) -> bool {
         let orbit = self.orbit(&point.x);
         if let Some(mesh) = adapted(&orbit, &self.scheme, &self.frame.symmetry, self.tolerance) {
@@ -313,7 +319,12 @@ impl System for Collocation {
             point.tangent = Self::unknowns(&tangent);
             true
         } else {
+            let before = self.clone();
             self.refer_to(&orbit);
+            let rows = |system: &Self| [std::slice::from_ref(&system.phase), &system.turns].concat();
+            if rows(&before).iter().zip(&rows(self)).all(|(a, b)| crate::linalg::dot(a, b) > TURNED) {
+                *self = before;
+            }
             false
         }
     }
@@ -379,9 +390,10 @@ impl OrbitFactors {
         &self.symmetry
     }
 
-    /// Floquet multipliers over the computed part of the period: all.
+    /// Floquet multipliers over the computed part of the period: all that decide on bifurcations, as described at
+    /// [`multipliers`].
     pub fn part_multipliers(&self) -> Result<Multipliers, FloquetError> {
-        multipliers(&self.transitions()?, (&self.symmetry, 1), 1 + self.drifts, None)
+        multipliers(&self.transitions()?, (&self.symmetry, 1), 1 + self.drifts, Some(0))
     }
 
     /// The condensed rows that couple the orbit's ends.
@@ -391,7 +403,7 @@ impl OrbitFactors {
 
     /// The intervals' transition maps along the computed part of the period.
     pub fn transitions(&self) -> Result<Transitions<'_>, Singular> {
-        Transitions::new(&self.condensed.intervals())
+        Ok(Transitions::new(&self.condensed.intervals())?.with(self.condensed.transition()))
     }
 }
 

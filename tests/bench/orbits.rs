@@ -2,7 +2,7 @@
 //! matrix-multiply peak that they reach, measured in the same run. Arguments name cases: `lorenz`, `chain`, `256`, `large`.
 //!
 //! Times are of the processor (all threads), and include Floquet multipliers at each step; of these, separately. Memory is
-//! the most that was allocated at one time.
+//! what the process had at most beyond what it had before the branch.
 
 mod chain;
 #[path = "../common/mod.rs"]
@@ -73,6 +73,7 @@ fn main() {
 fn report(mut case: Case, peak: f64) {
     let mut walk = Walk::new(&mut case.system, case.start.clone(), case.control, (f64::MIN, f64::MAX));
     memory::forget();
+    let idle = memory::most();
     // The first step makes factors that later ones start from.
     walk.step().unwrap_or_else(|stop| panic!("{}: {stop}", case.name));
     let before = walk.counts;
@@ -102,7 +103,7 @@ fn report(mut case: Case, peak: f64) {
         per(newton, before.newton),
         flops * 1e-6,
         100.0 * flops * steps / cpu / peak,
-        memory::most() as f64 / 1e6,
+        memory::most().zip(idle).map_or(f64::NAN, |(most, idle)| (most - idle) / 1e6),
     );
 }
 
