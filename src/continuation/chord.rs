@@ -21,16 +21,6 @@ const SLOWEST: f64 = 0.5;
 const FASTEST: f64 = 0.1;
 const MOST_STEPS: usize = 12;
 
-/// How far a correction has come.
-pub struct Progress<'a> {
-    /// The last step.
-    pub step: (&'a [f64], f64),
-    /// The present point.
-    pub at: (&'a [f64], f64),
-    /// What the distance to the solution is at most, by the rate of convergence.
-    pub left: f64,
-}
-
 /// A solution on the hyperplane of the factors' own border through the start.
 pub struct Settled {
     pub x: Vec<f64>,
@@ -40,23 +30,11 @@ pub struct Settled {
     pub distance: f64,
 }
 
-/// Solves `H = 0` from a start to the corrector's accuracy; an error where the factors are too far from those of the
-/// solution.
+/// Solves `H = 0` from a start; an error where the factors are too far from those of the solution.
 pub fn settle<S: System>(
-    system: &S,
-    start: (Vec<f64>, f64),
-    factors: &S::Factors,
-    counts: &mut Counts,
-) -> Result<Settled, Failure> {
-    approach(system, start, factors, &|progress| progress.left < TOLERANCE, counts)
-}
-
-/// The same until it is near `enough`.
-pub fn approach<S: System>(
     system: &S,
     (mut x, mut lambda): (Vec<f64>, f64),
     factors: &S::Factors,
-    enough: &dyn Fn(&Progress) -> bool,
     counts: &mut Counts,
 ) -> Result<Settled, Failure> {
     let n = x.len();
@@ -93,7 +71,7 @@ pub fn approach<S: System>(
         // As in the corrector: a linear rate would leave this, and nothing is known of it after one step.
         let sure = rate.max(FASTEST);
         let left = if count > 1 { length * sure / (1.0 - sure) } else { length };
-        if rate < SLOWEST && enough(&Progress { step: (&z[..n], z[n]), at: (&x, lambda), left }) {
+        if rate < SLOWEST && left < TOLERANCE {
             let difference: Vec<f64> = x.iter().zip(&start.0).map(|(a, b)| a - b).collect();
             let moved = (&difference[..], lambda - start.1);
             let distance = inner(system, moved, moved).sqrt();

@@ -14,7 +14,6 @@ mod step;
 mod walk;
 
 pub use between::{at_fraction, at_lambda, crossing};
-pub use chord::{Progress, Settled, approach};
 pub use corrector::{Corrected, Failure, correct};
 pub use manifold::{Bound, Chart, Cover, CoverControl, Surface};
 pub use step::StepControl;

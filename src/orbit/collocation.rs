@@ -49,9 +49,6 @@ pub struct Frame {
     pub scale_lambda: f64,
 }
 
-/// Cosine of the angle that a phase condition may make with that of the present orbit.
-const TURNED: f64 = 0.9;
-
 /// The system on one mesh.
 #[derive(Clone)]
 pub struct Collocation {
@@ -120,12 +117,6 @@ impl Collocation {
         x.push(orbit.part);
         x.extend_from_slice(&orbit.drift);
         x
-    }
-
-    /// What the phase conditions make of unknowns: zero, for a solution.
-    pub fn phases(&self, x: &[f64]) -> Vec<f64> {
-        let nodes = &x[..self.phase.len()];
-        std::iter::once(&self.phase).chain(&self.turns).map(|row| crate::linalg::dot(row, nodes)).collect()
     }
 
     /// Drift velocities among the unknowns.
@@ -283,7 +274,11 @@ impl System for Collocation {
         let (n, m) = (self.n(), self.scheme.degree);
         let (equations, phase) = r.split_at_mut(self.intervals() * m * n);
         self.equations(&self.orbit(x), &self.parameters(lambda), equations);
-        phase.copy_from_slice(&self.phases(x));
+        let nodes = &x[..equations.len()];
+        phase[0] = crate::linalg::dot(&self.phase, nodes);
+        for (r, turn) in phase[1..].iter_mut().zip(&self.turns) {
+            *r = crate::linalg::dot(turn, nodes);
+        }
     }
 
     fn factor(&self, x: &[f64], lambda: f64, border: &Border) -> Result<OrbitFactors, Singular> {
@@ -307,8 +302,7 @@ impl System for Collocation {
         self.frame.scale_lambda.powi(-2)
     }
 
-    /// Moves the mesh where the error is spread too unevenly, and takes the point as phase reference then, or when its
-    /// phase condition has turned away from the present one: factors of the last step serve the better without.
+    /// Moves the mesh where the error is spread too unevenly, and takes the point as phase reference.
     fn prepare(&mut self, point: &mut Point) -> bool {
         let orbit = self.orbit(&point.x);
         if let Some(mesh) = adapted(&orbit, &self.scheme, &self.frame.symmetry, self.tolerance) {
@@ -319,12 +313,7 @@ impl System for Collocation {
             point.tangent = Self::unknowns(&tangent);
             true
         } else {
-            let before = self.clone();
             self.refer_to(&orbit);
-            let rows = |system: &Self| [std::slice::from_ref(&system.phase), &system.turns].concat();
-            if rows(&before).iter().zip(&rows(self)).all(|(a, b)| crate::linalg::dot(a, b) > TURNED) {
-                *self = before;
-            }
             false
         }
     }

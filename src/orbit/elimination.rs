@@ -74,8 +74,8 @@ impl Elimination {
         let view = faer::MatMut::from_column_major_slice_mut(&mut row, columns, 1);
         self.upper().transpose().solve_lower_triangular_in_place(view);
         let top = self.right.as_ref().subrows(0, columns);
-        let change: Vec<f64> =
-            (0..top.ncols()).map(|j| -(0..columns).map(|i| row[i] * top[(i, j)]).sum::<f64>()).collect();
+        let mut change = vec![0.0; top.ncols()];
+        subtract_product(top.transpose(), &row, &mut change);
         self.borders.push(row);
         Reach { a: change[..n].to_vec(), b: change[n..2 * n].to_vec(), z: change[2 * n..].to_vec() }
     }

@@ -3,7 +3,6 @@
 //! One file per task in `resume/`: the outcome of a finished task, or the state of the walk after its last point. Each
 //! is written whole or not at all, so that a kill at any moment leaves the one before.
 
-use super::cycles::Place;
 use super::outcome::{Outcome, Status};
 use crate::branch::{Branch, write_atomically};
 use crate::continuation::{Counts, WalkState};
@@ -28,8 +27,6 @@ pub struct Checkpoint {
     /// Test functions at the last point, and what the last three say of a homoclinic end.
     pub signs: Option<Signs>,
     pub passages: Vec<Passage>,
-    /// Where the factors are with which errors are estimated.
-    pub anchor: Option<Place>,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -4,11 +4,12 @@
 //! fold     the tangent's entry for lambda,
 //! branch   det [H_x, H_lambda; tangent], which a fold does not change,
 //! flip     prod (nu_i + 1),
-//! torus    prod over pairs (nu_i nu_j - 1): at a torus bifurcation a complex pair, at a neutral saddle a real one.
+//! torus    prod over pairs (1 - nu_i nu_j): at a torus bifurcation a complex pair, at a neutral saddle a real one.
 //! ```
 //!
 //! nu are the multipliers over the computed part of the period without the trivial one. Products are formed by their
-//! signs and their smallest factor, if that is below one, so that nothing over- or underflows.
+//! signs and their smallest factor, if that is below one, so that nothing over- or underflows. What lies well inside
+//! the unit circle, also times the largest of them, changes no sign: of many unknowns only the others are computed.
 
 use crate::continuation::Point;
 use crate::linalg::{Lu, Singular, c64};
@@ -103,7 +104,7 @@ pub(super) fn torus(nu: &[c64]) -> (f64, Option<(usize, usize)>) {
         for j in i + 1..nu.len() {
             let factor = nu[i] * nu[j] - 1.0;
             let conjugate = nu[i].im != 0.0 && nu[i] == nu[j].conj();
-            if (conjugate || (nu[i].im == 0.0 && nu[j].im == 0.0)) && factor.re < 0.0 {
+            if (conjugate || (nu[i].im == 0.0 && nu[j].im == 0.0)) && factor.re > 0.0 {
                 sign = -sign;
             }
             if factor.norm() < least {

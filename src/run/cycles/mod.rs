@@ -1,14 +1,12 @@
 //! A task of kind `cycles`: a branch of periodic orbits from a Hopf point or a bifurcation of cycles, with multipliers,
 //! bifurcations, user values and errors.
 
-mod estimate;
 mod origin;
 mod quantities;
 mod relative;
 mod rows;
 mod special;
 
-pub use estimate::Place;
 pub use quantities::{Average, columns, measure};
 pub use rows::empty;
 pub use special::{VALUES, angle};
@@ -23,7 +21,6 @@ use crate::orbit::bifurcations::{Amplitude, Event, Homoclinic, Passage, Segment,
 use crate::orbit::{Collocation, OrbitFactors};
 use crate::problem::{Problem, Reflection};
 use crate::scene;
-use estimate::Anchor;
 pub use origin::INTERVALS;
 use origin::Origin;
 use rows::Pending;
@@ -77,8 +74,6 @@ struct Cycles<'a> {
     branch: Branch,
     /// Accepted points that are not rows yet: rows are made side by side, several at a time.
     pending: Vec<Pending>,
-    /// Refined factors that estimate errors.
-    anchor: Option<Anchor>,
     /// How the first of two ways ended, once it has.
     behind: Option<(Status, String)>,
 }
@@ -126,8 +121,7 @@ pub fn run(
     let kept = keeper.load(name);
     let before = kept.as_ref().map_or(0.0, |kept| kept.seconds);
     let mut counts = kept.as_ref().map_or_else(Counts::default, |kept| kept.counts);
-    let branch = empty(prepared, name, task);
-    let mut cycles = Cycles { prepared, task, branch, pending: Vec::new(), anchor: None, behind: None };
+    let mut cycles = Cycles { prepared, task, branch: empty(prepared, name, task), pending: Vec::new(), behind: None };
     let (status, reason) = match cycles.both_ways(from, kept, Tools { keeper, watch, start, before }, &mut counts) {
         Ok(end) => end,
         Err(failure) => (Status::Failed, failure.to_string()),
@@ -193,13 +187,11 @@ impl Cycles<'_> {
         let (low, high) = (along.range.from, along.range.to);
         let onset = origin.onset(self.prepared.free);
         let (mut system, state, mut signs, mut passages) = match kept {
-            Some(Checkpoint { branch, orbit, walk, signs, passages, anchor, .. }) => {
+            Some(Checkpoint { branch, orbit, walk, signs, passages, .. }) => {
                 self.branch = branch;
-                self.anchor = anchor.map(Anchor::from);
                 (Collocation::new(self.frame(origin)?, &orbit), walk, signs, passages)
             }
             None => {
-                self.anchor = None;
                 let (system, state) = self.start(origin, way, counts)?;
                 (system, state, None, Vec::new())
             }
@@ -226,7 +218,6 @@ impl Cycles<'_> {
                     behind: self.behind.clone(),
                     signs: signs.clone(),
                     passages: passages.clone(),
-                    anchor: self.anchor.as_ref().map(|anchor| anchor.place.clone()),
                 });
             }
             if stopping {

@@ -5,16 +5,16 @@ use super::super::outcome::labels;
 use super::super::study::Prepared;
 use super::super::wave;
 use super::Cycles;
-use super::estimate::Anchor;
 use super::quantities::{self, measure};
 use super::special::Special;
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
-use crate::continuation::{Counts, Point};
+use crate::continuation::{Border, Counts, Factored, Point, System};
 use crate::orbit::{Collocation, Frame, Multipliers, Orbit, Stability};
 use crate::problem::{Problem, Reflection};
 use crate::scene;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// An accepted point with what its row is made from.
 pub struct Pending {
@@ -92,17 +92,13 @@ impl Cycles<'_> {
     /// Turns what is pending into rows and special points.
     pub fn make_rows(&mut self, counts: &mut Counts) {
         let pending = std::mem::take(&mut self.pending);
-        let (mut anchors, serving) =
-            if self.task.along.errors { self.anchors(&pending, counts) } else { (Vec::new(), Vec::new()) };
-        let made = pending.par_iter().enumerate().map(|(k, point)| {
-            let mut counts = Counts::default();
-            let row = self.row(point, serving.get(k).map(|&anchor| &anchors[anchor]), &mut counts);
-            (row, counts)
-        });
-        let made: Vec<(Row, Counts)> = made.collect();
-        self.anchor = anchors.pop();
-        for (point, (row, spent)) in pending.iter().zip(made) {
-            *counts += spent;
+        let rows: Vec<Row> = pending.par_iter().map(|point| self.row(point)).collect();
+        if self.task.along.errors {
+            counts.factorisations += rows.len();
+            counts.residuals += rows.len();
+            counts.newton += rows.len();
+        }
+        for (point, row) in pending.iter().zip(rows) {
             // The Hopf point itself is as stable as the first cycle; a relative branch's first row is no such point.
             if let (false, [onset]) = (self.task.relative, &mut self.branch.rows[..]) {
                 onset.stable = row.stable;
@@ -114,7 +110,7 @@ impl Cycles<'_> {
         }
     }
 
-    fn row(&self, point: &Pending, anchor: Option<&Anchor>, counts: &mut Counts) -> Row {
+    fn row(&self, point: &Pending) -> Row {
         let Pending { lambda, orbit, frame, .. } = point;
         let mut p = frame.p.clone();
         p[frame.free] = *lambda;
@@ -129,8 +125,8 @@ impl Cycles<'_> {
             }
             values.push(found.map(|m| m.trivial_error));
         }
-        if let Some(anchor) = anchor {
-            let fine = self.refined(point, anchor, counts);
+        if self.task.along.errors {
+            let fine = self.refined(frame, orbit, *lambda);
             let known = |k: usize| {
                 let name = &self.branch.columns[k + 1].name;
                 point.special.errors.iter().find(|(known, _)| known == name).map(|(_, error)| *error)
@@ -195,5 +191,28 @@ impl Cycles<'_> {
         }
         self.branch.rows[row].label = Some(short);
         self.branch.points.push(special);
+    }
+
+    /// The same quantities on a refined discretisation, in space where the problem has one and in time by a degree
+    /// more: one Newton step from the present orbit at the same parameters, which leaves the error of the error.
+    fn refined(&self, frame: &Frame, orbit: &Orbit, lambda: f64) -> Option<Vec<f64>> {
+        let (problem, finer): (Arc<dyn Problem>, Orbit) = match self.prepared.problem.refined() {
+            Some(refinement) => (refinement.problem, orbit.mapped(&*refinement.prolong)),
+            None => (self.prepared.problem.clone(), orbit.clone()),
+        };
+        let finer = finer.interpolated(&orbit.mesh, orbit.degree + 1);
+        let symmetry = if orbit.parts == 2 { problem.reflection()? } else { Reflection::identity(problem.dim()) };
+        let frame = Frame { problem: problem.clone(), symmetry: symmetry.clone(), ..frame.clone() };
+        let fine = Collocation::new(frame, &finer);
+        let mut x = Collocation::unknowns(&finer);
+        let n = x.len();
+        let border = Border { row: vec![0.0; n], lambda: 1.0 };
+        let factors = fine.factor(&x, lambda, &border).ok()?;
+        let mut right = vec![0.0; n + 1];
+        fine.residual(&x, lambda, &mut right[..n]);
+        factors.solve(&mut right);
+        x.iter_mut().zip(&right).for_each(|(x, d)| *x -= d);
+        let p = fine.parameters(lambda);
+        Some(measure(self.prepared, &*problem, &fine.orbit(&x), &symmetry, &p))
     }
 }
