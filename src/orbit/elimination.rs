@@ -4,13 +4,17 @@
 //! [ inside | x_a  x_b  z ] = r,      rows = inside + n,
 //! ```
 //!
-//! leaves n rows `C x_a + D x_b + E z = r'`. Border rows (phase, arclength) are carried along.
+//! leaves n rows `C x_a + D x_b + E z = r'`. Border rows (phase, arclength) are carried along. Eliminations run side by side,
+//! each on one thread.
 
 use super::rows::{Reach, Rows, subtract_product};
 use crate::linalg::Singular;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
 use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
 use faer::{Accum, Mat, MatRef, Par};
 
 /// A tall block `[inside | right]` after elimination of its inside columns.
@@ -27,7 +31,7 @@ pub struct Elimination {
 
 impl Elimination {
     /// Eliminates the columns of `inside`; `right` has columns `[x_a (n), x_b (n), z]`.
-    pub fn new(mut inside: Mat<f64>, right: Mat<f64>, n: usize) -> Result<Self, Singular> {
+    pub fn new(mut inside: Mat<f64>, mut right: Mat<f64>, n: usize) -> Result<Self, Singular> {
         let (rows, columns) = (inside.nrows(), inside.ncols());
         let (mut order, mut inverse) = (vec![0_usize; rows], vec![0_usize; rows]);
         let mut memory = MemBuffer::new(lu_in_place_scratch::<usize, f64>(rows, columns, Par::Seq, Default::default()));
@@ -42,9 +46,9 @@ impl Elimination {
         if (0..columns).any(|i| !inside[(i, i)].is_finite() || inside[(i, i)] == 0.0) {
             return Err(Singular);
         }
-        let mut right = permuted(right.as_ref(), &order);
+        permute(&mut right, &order);
         let (mut top, bottom) = right.as_mut().split_at_row_mut(columns);
-        inside.as_ref().subrows(0, columns).solve_unit_lower_triangular_in_place(top.as_mut());
+        solve_unit_lower_triangular_in_place(inside.as_ref().subrows(0, columns), top.as_mut(), Par::Seq);
         matmul(bottom, Accum::Add, inside.as_ref().subrows(columns, n), top.as_ref(), -1.0, Par::Seq);
         Ok(Self { factors: inside, order, right, borders: Vec::new(), n })
     }
@@ -72,7 +76,7 @@ impl Elimination {
         let n = self.n;
         let columns = self.inside();
         let view = faer::MatMut::from_column_major_slice_mut(&mut row, columns, 1);
-        self.upper().transpose().solve_lower_triangular_in_place(view);
+        solve_lower_triangular_in_place(self.upper().transpose(), view, Par::Seq);
         let top = self.right.as_ref().subrows(0, columns);
         let mut change = vec![0.0; top.ncols()];
         subtract_product(top.transpose(), &row, &mut change);
@@ -87,7 +91,7 @@ impl Elimination {
         let mut top: Vec<f64> = self.order[..columns].iter().map(|&i| r[i]).collect();
         let mut bottom: Vec<f64> = self.order[columns..].iter().map(|&i| r[i]).collect();
         let view = faer::MatMut::from_column_major_slice_mut(&mut top, columns, 1);
-        self.factors.as_ref().subrows(0, columns).solve_unit_lower_triangular_in_place(view);
+        solve_unit_lower_triangular_in_place(self.upper(), view, Par::Seq);
         subtract_product(self.factors.as_ref().subrows(columns, self.n), &top, &mut bottom);
         for (border, row) in border.iter_mut().zip(&self.borders) {
             *border -= crate::linalg::dot(row, &top);
@@ -101,16 +105,17 @@ impl Elimination {
         let outer: Vec<f64> = a.iter().chain(b).chain(z).copied().collect();
         subtract_product(self.right.as_ref().subrows(0, columns), &outer, &mut top);
         let view = faer::MatMut::from_column_major_slice_mut(&mut top, columns, 1);
-        self.upper().solve_upper_triangular_in_place(view);
+        solve_upper_triangular_in_place(self.upper(), view, Par::Seq);
         top
     }
 }
 
-/// Rows in a new order.
-fn permuted(a: MatRef<'_, f64>, order: &[usize]) -> Mat<f64> {
-    let mut out = Mat::zeros(a.nrows(), a.ncols());
-    for (column, source) in out.as_mut().col_iter_mut().zip(a.col_iter()) {
-        column.iter_mut().zip(order).for_each(|(x, &i)| *x = source[i]);
+/// Brings rows into a new order.
+fn permute(a: &mut Mat<f64>, order: &[usize]) {
+    let mut before = vec![0.0; a.nrows()];
+    for j in 0..a.ncols() {
+        let column = a.col_as_slice_mut(j);
+        before.copy_from_slice(column);
+        column.iter_mut().zip(order).for_each(|(x, &i)| *x = before[i]);
     }
-    out
 }

@@ -109,3 +109,39 @@ fn pivoted(l: Rows, r: Rows) -> Result<Elimination, Singular> {
     bottom.subcols_mut(2 * n, count).copy_from(r.e);
     Elimination::new(inside, right, n)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn solved(rows: Rows) -> Mat<f64> {
+        let n = rows.n();
+        let (ends, mut right) = (rows.c.ncols() + rows.e.ncols(), Mat::zeros(n, n + rows.e.ncols()));
+        right.as_mut().subcols_mut(0, n).copy_from(rows.c);
+        right.as_mut().subcols_mut(n, ends - n).copy_from(rows.e);
+        match rows.d {
+            Some(d) => crate::linalg::Lu::new(d).expect("regular").solve_many(right.as_mut()),
+            None => right = -right,
+        }
+        right
+    }
+
+    #[test]
+    fn direct_and_pivoted_joints_agree() {
+        let n = 5;
+        let matrix = |seed: f64, columns: usize| Mat::from_fn(n, columns, |i, j| (seed * (1 + i + 9 * j) as f64).sin());
+        let [c, e, other, f, d] = [(1.3, n), (2.7, 3), (0.9, n), (4.1, 3), (3.3, n)].map(|(seed, k)| matrix(seed, k));
+        let left = Rows { c: c.as_ref(), d: None, e: e.as_ref() };
+        let large = &other * faer::Scale(1e3);
+        for end in [None, Some(d.as_ref())] {
+            let right = Rows { c: other.as_ref(), d: end, e: f.as_ref() };
+            let joint = Joint::new(left, right).expect("a joint");
+            assert!(matches!(joint, Joint::Direct(_)));
+            let pivoted = pivoted(left, right).expect("an elimination");
+            let (a, b) = (solved(joint.remaining()), solved(pivoted.remaining()));
+            assert!((&a - &b).norm_max() < 1e-12 * a.norm_max());
+            let right = Rows { c: large.as_ref(), ..right };
+            assert!(matches!(Joint::new(left, right), Ok(Joint::Pivoted(_))));
+        }
+    }
+}

@@ -129,4 +129,20 @@ mod tests {
         assert!(flip(&[z(-0.9, 0.0), z(0.3, 0.2)]) * flip(&[z(-1.1, 0.0), z(0.3, 0.2)]) < 0.0);
         assert!(flip(&[z(-1.2, 0.1), z(-1.2, -0.1)]) * flip(&[z(-1.3, 0.0), z(-1.1, 0.0)]) > 0.0);
     }
+
+    #[test]
+    fn what_lies_well_inside_changes_no_sign() {
+        let z = |re: f64, im: f64| c64::new(re, im);
+        let inside = [z(0.25, 0.2), z(0.25, -0.2), z(-0.3, 0.0), z(0.2, 0.0), z(-0.1, 0.0), z(0.0, 0.0)];
+        let leading = [
+            vec![z(2.0, 0.0), z(0.9, 0.3), z(0.9, -0.3)],
+            vec![z(1.0, 0.3), z(1.0, -0.3), z(-0.8, 0.0)],
+            vec![z(-2.5, 0.0), z(-0.5, 0.0), z(0.35, 0.0)],
+            vec![z(-1.5, 0.0), z(1.2, 0.0), z(0.9, 0.0)],
+        ];
+        for few in leading {
+            let all = [&few[..], &inside].concat();
+            assert!(flip(&few) * flip(&all) > 0.0 && torus(&few).0 * torus(&all).0 > 0.0, "{few:?}");
+        }
+    }
 }
