@@ -14,6 +14,7 @@ Examples:
   hopfline run study.toml                     compute; results go to output/study
   hopfline run study.toml --set parameters.L=14 --set 'task.beat.range=[0, 400]'
   hopfline run problems/*.toml --threads 2 --quiet
+  hopfline bench onset                        error against run time: the study problems/bench/onset.toml
   hopfline models two-doublet                 its parameters, units, defaults and observables
 
 Exit codes:
@@ -51,10 +52,15 @@ pub enum Command {
     /// Check scenes and print what would be computed and what is left out; compute nothing
     #[command(after_help = SET_EXAMPLES)]
     Check(Check),
+    /// Run work-precision studies: scenes with a section [bench]; errors against seconds and unknowns
+    Bench(Bench),
     /// List the models, or describe one: parameters with units, defaults and bounds, observables
     Models(Models),
     /// Draw the figures of a finished run again from its stored data
     Plot(Plot),
+    /// Write the page of a folder of scenes, DIR/README.md, from the results of their last runs
+    #[command(after_help = "Example:\n  hopfline run problems/*.toml && hopfline gallery problems")]
+    Gallery(Gallery),
     /// Write NAME.toml, a commented scene to start from
     New(New),
     /// Rewrite a model of XPPAUT (FILE.ode) as a scene
@@ -106,6 +112,22 @@ pub struct Check {
 }
 
 #[derive(Clone, Debug, PartialEq, Args)]
+pub struct Bench {
+    /// Studies, by the names of their scenes in problems/bench or by paths (FILE.toml); without one, all in that folder
+    #[arg(value_name = "NAME", value_hint = ValueHint::FilePath)]
+    pub names: Vec<String>,
+    /// Folder for the results, which go to bench/NAME in it
+    #[arg(long, value_name = "DIR", default_value = "output", value_hint = ValueHint::DirPath)]
+    pub out: PathBuf,
+    /// Threads to use; results do not depend on it [default: one per core]
+    #[arg(long, value_name = "N", value_hint = ValueHint::Other)]
+    pub threads: Option<NonZeroUsize>,
+    /// Show no progress; errors and tables remain
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+#[derive(Clone, Debug, PartialEq, Args)]
 pub struct Models {
     /// Model to describe; without it, all are listed
     #[arg(value_hint = ValueHint::Other)]
@@ -117,6 +139,16 @@ pub struct Plot {
     /// Folder of one finished scene, such as output/two-doublet
     #[arg(value_hint = ValueHint::DirPath)]
     pub dir: PathBuf,
+}
+
+#[derive(Clone, Debug, PartialEq, Args)]
+pub struct Gallery {
+    /// Folder of scenes
+    #[arg(value_hint = ValueHint::DirPath)]
+    pub dir: PathBuf,
+    /// Folder that the results of runs are in; the figures of the page go to `gallery` in it
+    #[arg(long, value_name = "DIR", default_value = "output", value_hint = ValueHint::DirPath)]
+    pub out: PathBuf,
 }
 
 #[derive(Clone, Debug, PartialEq, Args)]
@@ -190,6 +222,10 @@ mod tests {
     #[test]
     fn the_other_commands_are_read() {
         for (line, expected) in [
+            (
+                "hopfline bench onset --quiet",
+                Command::Bench(Bench { names: vec!["onset".into()], out: "output".into(), threads: None, quiet: true }),
+            ),
             ("hopfline models", Command::Models(Models { name: None })),
             ("hopfline models beck", Command::Models(Models { name: Some("beck".into()) })),
             ("hopfline plot output/a", Command::Plot(Plot { dir: "output/a".into() })),

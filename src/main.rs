@@ -5,6 +5,7 @@ use hopfline::cli::{self, Cli, Command};
 use hopfline::run::{self, RunError, RunOptions};
 use hopfline::scene::Scene;
 use std::io::{ErrorKind, Write};
+use std::num::NonZeroUsize;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 
@@ -42,6 +43,7 @@ fn write_new(path: &std::path::Path, text: &str) -> Result<(), RunError> {
 fn execute(command: Command) -> Result<bool, RunError> {
     match command {
         Command::Run(run) => return execute_run(run),
+        Command::Bench(bench) => return execute_bench(bench),
         Command::Check(check) => {
             for path in &check.input.scenes {
                 print(&run::plan(&Scene::load(path, &check.input.sets)?)?)?;
@@ -55,6 +57,9 @@ fn execute(command: Command) -> Result<bool, RunError> {
             for name in run::redraw(&plot.dir)? {
                 print(&format!("{}\n", plot.dir.join("figures").join(name + ".svg").display()))?;
             }
+        }
+        Command::Gallery(gallery) => {
+            print(&format!("{}\n", run::gallery(&gallery.dir, &gallery.out)?.display()))?;
         }
         Command::New(new) => {
             let path = std::path::PathBuf::from(format!("{}.toml", new.name));
@@ -82,8 +87,9 @@ fn execute(command: Command) -> Result<bool, RunError> {
     Ok(true)
 }
 
-fn execute_run(arguments: cli::Run) -> Result<bool, RunError> {
-    if let Some(threads) = arguments.threads {
+/// The threads that were asked for, and Ctrl-C.
+fn prepare(threads: Option<NonZeroUsize>) -> Result<(), RunError> {
+    if let Some(threads) = threads {
         // The pool is built once per process, here, so this cannot fail for having been built before.
         let _ = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global();
     }
@@ -93,7 +99,32 @@ fn execute_run(arguments: cli::Run) -> Result<bool, RunError> {
             std::process::exit(1);
         }
     });
-    interrupt.map_err(|e| RunError::Input(format!("cannot listen for Ctrl-C: {e}")))?;
+    interrupt.map_err(|e| RunError::Input(format!("cannot listen for Ctrl-C: {e}")))
+}
+
+fn execute_bench(arguments: cli::Bench) -> Result<bool, RunError> {
+    prepare(arguments.threads)?;
+    let paths = run::studies(&arguments.names)?;
+    let scenes: Vec<Scene> = paths.iter().map(|path| Scene::load(path, &[])).collect::<Result<_, _>>()?;
+    // Wrong input anywhere is to cost no run.
+    scenes.iter().try_for_each(run::check_study)?;
+    let options = RunOptions { out: arguments.out, only: Vec::new(), resume: false, quiet: arguments.quiet };
+    let (mut success, mut separator) = (true, "");
+    for scene in &scenes {
+        if run::INTERRUPTED.load(Ordering::Relaxed) {
+            return Ok(false);
+        }
+        let report = run::bench(scene, &options)?;
+        let folder = options.out.join("bench").join(&scene.name).display().to_string();
+        print(&format!("{separator}{}", report.table(&folder)))?;
+        success &= report.success();
+        separator = "\n";
+    }
+    Ok(success)
+}
+
+fn execute_run(arguments: cli::Run) -> Result<bool, RunError> {
+    prepare(arguments.threads)?;
     // All scenes are read before the first is run: an error in the last one should not cost an hour.
     let load = |path: &std::path::PathBuf| Scene::load(path, &arguments.input.sets);
     let scenes: Vec<Scene> = arguments.input.scenes.iter().map(load).collect::<Result<_, _>>()?;

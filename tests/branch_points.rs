@@ -47,7 +47,7 @@ fn problem<F: Field + 'static>(field: F, mixed: f64) -> Arc<dyn Problem> {
 
 fn system(problem: Arc<dyn Problem>, (low, high): (f64, f64)) -> Equilibria {
     let coordinate = Coordinate { index: 0, logarithmic: false, width: high - low };
-    Equilibria { problem, p: vec![0.0], coordinate, scale_state: 1.0 }
+    Equilibria { problem, p: vec![0.0], coordinate, scale_state: 1.0, all_eigenvalues: None }
 }
 
 /// The branch from a point, its special points put in.

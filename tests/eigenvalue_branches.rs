@@ -63,7 +63,13 @@ fn exceptional<F: Formula + 'static>(formula: F, (low, high): (f64, f64), logari
     let mut coordinate = Coordinate { index: 0, logarithmic, width: 1.0 };
     let (from, to) = (coordinate.of(low), coordinate.of(high));
     coordinate.width = to - from;
-    let system = Equilibria { problem: Arc::new(Automatic(formula)), p: vec![0.0], coordinate, scale_state: 1.0 };
+    let system = Equilibria {
+        problem: Arc::new(Automatic(formula)),
+        p: vec![0.0],
+        coordinate,
+        scale_state: 1.0,
+        all_eigenvalues: None,
+    };
     let point = |k: usize| Point {
         x: vec![0.0; dim],
         lambda: from + (to - from) * k as f64 / 20.0,

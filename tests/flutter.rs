@@ -148,7 +148,13 @@ fn the_buckled_column_is_the_elastica() {
     let mut start = rod.straight();
     (start[0], start[1]) = (angle, -0.3);
     let coordinate = Coordinate { index: rod.index("P"), logarithmic: false, width: 1.0 };
-    let system = Equilibria { problem: rod.problem.clone(), p: rod.p.clone(), coordinate, scale_state: 1.0 };
+    let system = Equilibria {
+        problem: rod.problem.clone(),
+        p: rod.p.clone(),
+        coordinate,
+        scale_state: 1.0,
+        all_eigenvalues: None,
+    };
     let border = Border { row: rod.straight(), lambda: 1.0 };
     let load = rod.p[rod.index("P")];
     // To the corrector's tolerance, 1e-11 of the state.

@@ -2,7 +2,7 @@
 
 mod common;
 
-use hopfline::bifurcation::{Coordinate, Hopf, HopfCurve, HopfNormalForm, Segment, Test, reverse};
+use hopfline::bifurcation::{Coordinate, Hopf, HopfCurve, HopfNormalForm, HopfSegment, Test, reverse};
 use hopfline::continuation::{Counts, StepControl, Walk};
 use hopfline::linalg::c64;
 use hopfline::problem::{Automatic, Bounds, Default, Formula, Parameter, Problem, Scalar};
@@ -65,7 +65,7 @@ fn follow(
     coordinates: (Coordinate, Coordinate),
     range: (f64, f64),
     most: usize,
-) -> Vec<Segment> {
+) -> Vec<HopfSegment> {
     let mut counts = Counts::default();
     let (curve, point) = HopfCurve::start(problem.clone(), hopf, coordinates, &mut counts).unwrap();
     let mut back = point.clone();
@@ -78,21 +78,21 @@ fn follow(
         while segments.len() < most {
             let step = walk.step().unwrap();
             let stop = step.stop.is_some();
-            segments.push(Segment { curve: walk.system.clone(), from: step.from, to: step.to });
+            segments.push(HopfSegment { curve: walk.system.clone(), from: step.from, to: step.to });
             if stop {
                 break;
             }
         }
         segments
     };
-    let mut segments: Vec<Segment> = one_way(back);
+    let mut segments: Vec<HopfSegment> = one_way(back);
     segments.reverse();
     segments.extend(one_way(point));
     segments
 }
 
 /// Both parameters where a test vanishes, for each segment in which it does.
-fn located(segments: &[Segment], test: Test) -> Vec<[f64; 2]> {
+fn located(segments: &[HopfSegment], test: Test) -> Vec<[f64; 2]> {
     let found = segments.iter().filter_map(|s| Some((s, s.locate(test, &mut Counts::default()).unwrap()?)));
     found
         .map(|(s, point)| {
@@ -215,7 +215,7 @@ fn another_pair_on_the_axis_makes_a_double_hopf_point() {
     let mut found = Vec::new();
     for segment in &segments {
         let others = [&segment.from, &segment.to].map(|point| segment.curve.others(point).unwrap());
-        for test in Segment::crossing_pairs(&others[0], &others[1]) {
+        for test in HopfSegment::crossing_pairs(&others[0], &others[1]) {
             let Test::Pair(from, to) = test else { panic!("a pair") };
             let point = segment.locate(test, &mut Counts::default()).unwrap().unwrap();
             close(segment.pair(from, to, &point).unwrap().im, 1.7, 1e-12);

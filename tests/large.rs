@@ -77,7 +77,7 @@ fn fold(points: usize, dimension: usize) -> f64 {
     let n = problem.dim();
     let range = (0.0, [4.0, 8.0][dimension - 1]);
     let coordinate = Coordinate { index: 0, logarithmic: false, width: range.1 };
-    let mut system = Equilibria { problem, p: vec![0.0], coordinate, scale_state: 1.0 };
+    let mut system = Equilibria { problem, p: vec![0.0], coordinate, scale_state: 1.0, all_eigenvalues: None };
     let mut counts = Counts::default();
     let border = Border { row: vec![0.0; n], lambda: 1.0 };
     let first = correct(&system, (vec![0.0; n], 0.0), &border, &mut counts).unwrap().point;
@@ -195,7 +195,7 @@ fn hopf_points_of_a_long_chain() {
     let range = (0.45, 0.6);
     let coordinate = Coordinate { index: 0, logarithmic: false, width: range.1 - range.0 };
     let u = problem.start(&[range.0]);
-    let mut system = Equilibria { problem, p: vec![range.0], coordinate, scale_state: 2.0 };
+    let mut system = Equilibria { problem, p: vec![range.0], coordinate, scale_state: 2.0, all_eigenvalues: None };
     let mut counts = Counts::default();
     let border = Border { row: vec![0.0; n], lambda: 1.0 };
     let first = correct(&system, (u, range.0), &border, &mut counts).unwrap().point;

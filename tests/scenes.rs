@@ -12,6 +12,7 @@ use tempfile::TempDir;
 struct Results {
     folder: TempDir,
     name: String,
+    scene: Scene,
     summary: Summary,
 }
 
@@ -27,7 +28,7 @@ impl Results {
             quiet: true,
         };
         let summary = run::run(&scene, &options).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
-        Self { folder, name: scene.name, summary }
+        Self { folder, name: scene.name.clone(), scene, summary }
     }
 
     fn path(&self, file: &str) -> PathBuf {
@@ -71,6 +72,37 @@ fn assert_succeeds(results: &Results) {
         assert!(svg.contains("<polyline") || svg.contains("<path"), "{} shows no curve", figure.name);
         assert!(!svg.contains("NaN") && !svg.contains("\"inf"), "{} has a point nowhere", figure.name);
     }
+    assert_on_page(results);
+}
+
+/// The page of scenes says what this run found: the same words, and numbers that agree up to their errors, whose sizes
+/// are those of rounding or alike.
+fn assert_on_page(results: &Results) {
+    let page = fs::read_to_string(problems().join("README.md")).unwrap();
+    let section = run::section(&results.scene, &results.summary).unwrap();
+    let stale = "problems/README.md is stale: run `hopfline run problems/*.toml && hopfline gallery problems`";
+    let head = format!("\n## {}\n", results.name);
+    let start = page.find(&head).unwrap_or_else(|| panic!("{stale}; it has no {}", results.name));
+    let end = page[start + 1..].find("\n## ").map_or(page.len(), |end| start + 1 + end);
+    let (old, new) = (page[start..end].trim(), section.trim());
+    assert_eq!(old.lines().count(), new.lines().count(), "{stale}; {}", results.name);
+    for (old, new) in old.lines().zip(new.lines()) {
+        let mut small = false;
+        let same = old.split_whitespace().count() == new.split_whitespace().count()
+            && old.split_whitespace().zip(new.split_whitespace()).all(|(old, new)| {
+                let agree = match (old.parse::<f64>(), new.parse::<f64>()) {
+                    // Errors and distances: of like size, or both next to nothing.
+                    (Ok(a), Ok(b)) if small || a.abs().max(b.abs()) < 1e-3 => {
+                        a.max(b) < 1e-8 || a.max(b) < 30.0 * a.min(b)
+                    }
+                    (Ok(a), Ok(b)) => (a - b).abs() <= 1e-6 * a.abs().max(b.abs()),
+                    _ => old == new,
+                };
+                small = old == "±";
+                agree
+            });
+        assert!(same, "{stale}; {}:\n{old}\n{new}", results.name);
+    }
 }
 
 #[test]
@@ -88,7 +120,8 @@ fn every_scene_meets_its_expectations() {
             _ => assert_succeeds(&Results::new(&path, &[], &[])),
         }
     }
-    assert!(seen >= 2, "{seen} scenes");
+    let page = fs::read_to_string(problems().join("README.md")).unwrap();
+    assert_eq!(page.matches("\n## ").count(), seen, "problems/README.md shows scenes that are gone");
 }
 
 #[test]

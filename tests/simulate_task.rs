@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Cycle, Flagellum, close, refused};
-use hopfline::branch::Kind;
+use hopfline::branch::{BranchKind, Kind, read_branch};
 use hopfline::continuation::Counts;
 use hopfline::models::{Law, Load};
 use hopfline::orbit::Orbit;
@@ -125,4 +125,117 @@ fn cycles_start_from_a_simulation() {
         point.unwrap_or_else(|| panic!("no {label}: {reasons:?}")).values["period"]
     };
     close("period", period("followed/UZ1"), period("cycles/UZ1"), 1e-6);
+}
+
+/// x = cos t, by names; with all crossings of zero, those of y = -sin t down through 0.6, and the end where the motion has
+/// come round for the second time.
+const TURNING: &str = r#"
+[model]
+equations = """
+x' = y
+y' = -x
+turns' = 1/(2*pi)
+"""
+[[task]]
+name = "motion"
+kind = "simulate"
+start = { x = 1 }
+time = [0, 20]
+tolerance = 1e-10
+samples = 40
+events = [
+    { of = "x", value = 0 },
+    { of = "y", value = 0.6, direction = "down" },
+    { of = "turns", value = 2, direction = "up", stop = true },
+]
+"#;
+
+fn turning(text: &str, out: &Path) -> Result<Summary, String> {
+    let scene = Scene::parse(text, Path::new("turning.toml"), &[]).map_err(|error| error.to_string())?;
+    let options = RunOptions { out: out.to_owned(), only: Vec::new(), resume: false, quiet: true };
+    run(&scene, &options).map_err(|error| error.to_string())
+}
+
+#[test]
+fn events_are_where_the_motion_is_known_to_have_them() {
+    use std::f64::consts::{PI, TAU};
+    let out = tempfile::tempdir().unwrap();
+    let summary = turning(TURNING, out.path()).unwrap();
+    assert!(summary.tasks[0].reason.contains("turns = 2, event 3"), "{}", summary.tasks[0].reason);
+    let down = PI + (0.6_f64).asin();
+    let wanted = [0.5 * PI, 1.5 * PI, TAU - (down - PI), 2.5 * PI, 3.5 * PI, 2.0 * TAU - (down - PI), 2.0 * TAU];
+    // y = -sin t falls through 0.6 behind its maximum at 3 pi/2.
+    let events: Vec<_> = summary.points.iter().filter(|point| point.label.contains("/EV")).collect();
+    assert_eq!(events.len(), wanted.len());
+    for ((k, event), (wanted, which)) in events.iter().enumerate().zip(wanted.into_iter().zip([1, 1, 2, 1, 1, 2, 3])) {
+        assert_eq!(event.label, format!("motion/EV{}", k + 1));
+        close("t", event.values["t"], wanted, 1e-7);
+        assert_eq!(event.values["event"], f64::from(which));
+    }
+    let branch = read_branch(&out.path().join("turning/branches/motion.csv"), "motion", BranchKind::Simulation, &[]);
+    let rows = branch.unwrap().rows;
+    let times: Vec<f64> = rows.iter().map(|row| row.values[0].unwrap()).collect();
+    assert!(times.windows(2).all(|pair| pair[0] <= pair[1]), "{times:?}");
+    close("end", *times.last().unwrap(), 2.0 * TAU, 1e-7);
+    // 26 samples, half a unit apart, and the events.
+    assert_eq!(rows.len(), 26 + wanted.len());
+    assert_eq!(rows.iter().filter(|row| row.label.is_some()).count(), wanted.len());
+}
+
+#[test]
+fn wrong_events_and_starts_are_refused() {
+    let out = tempfile::tempdir().unwrap();
+    for (from, to, wanted) in [
+        ("of = \"x\"", "of = \"w\"", "\"turns\""),
+        ("\"down\"", "\"left\"", "\"up\""),
+        ("value = 0.6", "level = 0.6", "level"),
+        ("start = { x = 1 }", "start = { w = 1 }", "\"turns\""),
+        ("start = { x = 1 }", "start = {}", "a table of unknowns"),
+    ] {
+        let message = turning(&TURNING.replace(from, to), out.path()).map(drop).unwrap_err();
+        assert!(message.contains(wanted), "{message:?} lacks {wanted:?}");
+    }
+    refused("simulation", &["task.settled.events=[{ of = \"x\", value = 0 }]"], "leave out events or over");
+}
+
+/// Langford's oscillator beyond the torus bifurcation of its cycle, and the planar system that is left where the angle is
+/// divided out: on the torus the one frequency is `turning`, the other that of the planar cycle.
+const TORUS: &str = r#"
+[model]
+equations = """
+x' = (z - b)*x - turning*y
+y' = turning*x + (z - b)*y
+z' = 0.6 + 0.95*z - z^3/3 - x^2 - y^2
+r' = (h - b)*r
+h' = 0.6 + 0.95*h - h^3/3 - r^2
+"""
+[model.parameters]
+b = 0.96
+turning = 3.5
+[[task]]
+name = "motion"
+kind = "simulate"
+start = { x = 1, z = 0.9 }
+time = [0, 1800]
+tolerance = 1e-8
+[[task]]
+name = "planar"
+kind = "simulate"
+start = { r = 1, h = 0.9 }
+time = [0, 1800]
+tolerance = 1e-8
+samples = 10
+"#;
+
+#[test]
+fn a_torus_has_the_rotation_number_of_its_two_frequencies() {
+    let out = tempfile::tempdir().unwrap();
+    let summary = turning(TORUS, out.path()).unwrap();
+    let reason = &summary.tasks[0].reason;
+    assert!(reason.contains("quasi-periodic"), "{reason}");
+    let point = |label: &str| summary.points.iter().find(|point| point.label == label).expect(label);
+    let rotation = point("motion/EP1").values["rotation"];
+    let turns = std::f64::consts::TAU / 3.5 / point("planar/LC1").values["period"];
+    let gap = (rotation - turns).rem_euclid(1.0).min((rotation + turns).rem_euclid(1.0));
+    assert!(gap.min(1.0 - gap) < 1e-4, "{rotation} {turns}");
 }

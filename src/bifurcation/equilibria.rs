@@ -14,6 +14,8 @@ pub struct Equilibria {
     pub p: Vec<f64>,
     pub coordinate: Coordinate,
     pub scale_state: f64,
+    /// Whether [`Equilibria::leading`] computes all eigenvalues; None: those of small problems, and of any without structure.
+    pub all_eigenvalues: Option<bool>,
 }
 
 impl Equilibria {
@@ -37,7 +39,7 @@ impl Equilibria {
 pub const ALL_EIGENVALUES: usize = 256;
 
 impl Equilibria {
-    /// The eigenvalues that matter for stability: all of them, or for large problems with structure at least `count` of
+    /// The eigenvalues that matter for stability: all of them, or of large problems with structure at least `count` of
     /// the leading ones (see [`crate::linalg::leading`]).
     pub fn leading(
         &self,
@@ -47,7 +49,8 @@ impl Equilibria {
         count: usize,
         vectors: usize,
     ) -> Result<Leading, Singular> {
-        if u.len() <= ALL_EIGENVALUES || self.problem.structure() == Structure::Dense {
+        let all = self.all_eigenvalues.unwrap_or(u.len() <= ALL_EIGENVALUES);
+        if all || self.problem.structure() == Structure::Dense {
             let pairs = self.spectrum(u, lambda, shift, vectors)?;
             return Ok(Leading { pairs, covered: f64::INFINITY, bound: None });
         }

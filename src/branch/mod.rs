@@ -28,6 +28,8 @@ pub enum BranchKind {
     /// Folds, period doublings and torus bifurcations of cycles.
     LpcCurve,
     PdCurve,
+    /// Broken symmetries.
+    BpcCurve,
     NsCurve,
     Calibration,
     Map,
@@ -41,6 +43,13 @@ pub enum BranchKind {
 pub struct Column {
     pub name: String,
     pub unit: String,
+}
+
+impl Column {
+    /// The column of its error.
+    pub fn error(&self) -> Self {
+        Self { name: format!("error {}", self.name), unit: self.unit.clone() }
+    }
 }
 
 /// One accepted point of a branch. `values` has one entry per column; `None` where a number does not exist.
@@ -97,12 +106,20 @@ pub enum Kind {
     R4,
     /// Fold-flip: multipliers +1 and -1.
     LPPD,
+    /// Degenerate branch point of cycles on a curve of broken symmetries.
+    GBPC,
+    /// Fold and broken symmetry at once.
+    LPBP,
+    /// Broken symmetry and torus at once.
+    BPNS,
     /// Fold and torus at once.
     LPNS,
     /// Period doubling and torus at once.
     PDNS,
     /// Cycle that a motion settled on.
     LC,
+    /// Event of a motion.
+    EV,
     /// User value.
     UZ,
     /// End of the branch.

@@ -27,6 +27,8 @@ pub struct Model {
     pub meaning: &'static str,
     /// Option, allowed values with the default first, meaning.
     pub options: &'static [(&'static str, &'static str, &'static str)],
+    /// Parameters whose terms are not assembled where they are zero.
+    pub optional: &'static [&'static str],
     pub build: fn(&Options) -> Result<Arc<dyn Problem>, ModelError>,
 }
 
@@ -39,12 +41,14 @@ pub static REGISTRY: &[Model] = &[
             ("law", "\"printed\" | \"separation\"", "cubic normal force: -k_3N int (psi_1 - psi_2)^3 ds, or -k_3N h^3"),
             ("functions", "28, from 2 to 400", "basis functions per doublet"),
         ],
+        optional: &["b_N", "k_T", "b_T", "k_3N", "k_3T"],
         build: TwoDoublet::build,
     },
     Model {
         name: "lorenz-84",
         meaning: "extended Lorenz-84 model of atmospheric circulation: four equations with every bifurcation of codimension two",
         options: &[],
+        optional: &[],
         build: Lorenz84::build,
     },
     Model {
@@ -55,24 +59,28 @@ pub static REGISTRY: &[Model] = &[
             ("base", "\"clamped\" | \"pinned\"", "psi(0) = 0, or a pin with a spring"),
             ("functions", "16, from 2 to 400", "basis functions"),
         ],
+        optional: &["p"],
         build: Filament::build,
     },
     Model {
         name: "column",
         meaning: "a cantilever with inertia under dead or follower loads (Euler, Beck, Leipholz, Hauger, Pflueger)",
         options: &[("functions", "12, from 2 to 400", "basis functions")],
+        optional: &["p"],
         build: Column::build,
     },
     Model {
         name: "pipe",
         meaning: "a cantilevered pipe that discharges fluid (Gregory and Paidoussis 1966)",
         options: &[("functions", "14, from 2 to 400", "basis functions")],
+        optional: &["gamma"],
         build: Pipe::build,
     },
     Model {
         name: "panel",
         meaning: "a simply supported panel in supersonic flow, by piston theory (Dowell 1966)",
         options: &[("functions", "12, from 2 to 400", "basis functions")],
+        optional: &[],
         build: Panel::build,
     },
 ];

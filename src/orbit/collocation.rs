@@ -49,6 +49,14 @@ pub struct Frame {
     pub scale_lambda: f64,
 }
 
+impl Frame {
+    /// The same for another discretisation of the problem; None if that lacks the symmetry.
+    pub fn of(&self, problem: &Arc<dyn Problem>) -> Option<Self> {
+        let symmetry = if self.parts == 2 { problem.reflection()? } else { Reflection::identity(problem.dim()) };
+        Some(Self { problem: problem.clone(), symmetry, ..self.clone() })
+    }
+}
+
 /// The system on one mesh.
 #[derive(Clone)]
 pub struct Collocation {

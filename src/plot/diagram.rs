@@ -124,7 +124,7 @@ fn symbols(panel: &Panel, series: &[Series]) -> Vec<Symbol> {
 fn legend(series: &[Series], curves: &[Curve], symbols: &[Symbol]) -> Legend {
     let shown = |wanted: Stability| curves.iter().any(|c| c.stability == wanted);
     let mut styles = Vec::new();
-    let critical = [BranchKind::HopfCurve, BranchKind::PdCurve, BranchKind::NsCurve];
+    let critical = [BranchKind::HopfCurve, BranchKind::PdCurve, BranchKind::BpcCurve, BranchKind::NsCurve];
     let meanings = match series.iter().any(|s| critical.contains(&s.branch.kind)) {
         true => ["supercritical", "subcritical", "criticality unknown"],
         false => ["stable", "unstable", "stability unknown"],

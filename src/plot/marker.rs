@@ -36,7 +36,7 @@ pub fn marks(branch: &Branch) -> Vec<Mark> {
 
 /// The kind that a label begins with: "HB12" is a Hopf point.
 fn kind_of(label: &str) -> Option<Kind> {
-    const ALL: [Kind; 28] = [
+    const ALL: [Kind; 32] = [
         Kind::HB,
         Kind::LP,
         Kind::BP,
@@ -61,7 +61,11 @@ fn kind_of(label: &str) -> Option<Kind> {
         Kind::LPPD,
         Kind::LPNS,
         Kind::PDNS,
+        Kind::GBPC,
+        Kind::LPBP,
+        Kind::BPNS,
         Kind::LC,
+        Kind::EV,
         Kind::UZ,
         Kind::EP,
         Kind::MX,
@@ -99,7 +103,11 @@ pub fn meaning(kind: Kind) -> Option<&'static str> {
         Kind::LPPD => Some("fold-flip (LPPD)"),
         Kind::LPNS => Some("fold and torus (LPNS)"),
         Kind::PDNS => Some("period doubling and torus (PDNS)"),
+        Kind::GBPC => Some("degenerate branch point of cycles (GBPC)"),
+        Kind::LPBP => Some("fold and branch point of cycles (LPBP)"),
+        Kind::BPNS => Some("branch point of cycles and torus (BPNS)"),
         Kind::LC => Some("cycle that a motion settled on (LC)"),
+        Kind::EV => Some("event (EV)"),
         Kind::UZ => Some("user value (UZ)"),
         Kind::MX => Some("no convergence (MX)"),
         Kind::EP => None,
@@ -140,16 +148,16 @@ pub fn draw(canvas: &mut Canvas, kind: Kind, at: Point, along: Point) -> Result<
             canvas.line(&shape(&[(-2.4, 0.0), (2.4, 0.0)]), 1.1, INK)
         }
         Kind::BT | Kind::R1 | Kind::R2 | Kind::R3 | Kind::R4 => solid(canvas, &shape(&STANDING)),
-        Kind::GH | Kind::GPD | Kind::CH => {
+        Kind::GH | Kind::GPD | Kind::GBPC | Kind::CH => {
             canvas.disc(at, 4.6, INK)?;
             canvas.disc(at, 3.4, WHITE)?;
             canvas.disc(at, 1.5, INK)
         }
-        Kind::ZH | Kind::LPPD | Kind::LPNS | Kind::PDNS => {
+        Kind::ZH | Kind::LPPD | Kind::LPNS | Kind::PDNS | Kind::LPBP | Kind::BPNS => {
             canvas.fill(&shape(&SQUARE), WHITE)?;
             canvas.line(&shape(&SQUARE), 1.1, INK)
         }
-        Kind::UZ => solid(canvas, &shape(&TRIANGLE)),
+        Kind::UZ | Kind::EV => solid(canvas, &shape(&TRIANGLE)),
         Kind::HH | Kind::LC => {
             canvas.disc(at, 4.6, INK)?;
             canvas.disc(at, 3.4, WHITE)

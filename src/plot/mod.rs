@@ -20,6 +20,9 @@ mod style;
 mod surface;
 mod text;
 mod waveform;
+mod work;
+
+pub use work::{WorkPrecision, Worked, draw as draw_work};
 
 use crate::branch::Branch;
 use serde::{Deserialize, Serialize};

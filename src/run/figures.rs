@@ -1,8 +1,9 @@
 //! Figures: from the scene's words to what `plot` draws, now or again from stored data.
 
+use super::bench::Report;
 use super::summary::Summary;
 use super::{RunError, place};
-use crate::branch::{Branch, BranchKind, read_arrays, read_branch, read_triangles, write_atomically};
+use crate::branch::{Branch, BranchKind, StoreError, read_arrays, read_branch, read_triangles, write_atomically};
 use crate::plot::{Spec, SpecKind, draw};
 use crate::scene::{Figure, Scene, SceneError, Task, TaskKind, owner};
 use std::collections::BTreeMap;
@@ -89,17 +90,16 @@ fn spec(figure: &Figure, branches: &[Branch], picture_unit: &str) -> Option<Spec
     Some(Spec { name: figure.name.clone(), title: figure.title.clone().unwrap_or_default(), kind })
 }
 
-/// Draws the figures of a finished run again from its files; returns their names.
+/// Draws the figures of a finished run or study again from its files; returns their names.
 pub fn redraw(folder: &Path) -> Result<Vec<String>, RunError> {
-    let path = folder.join("summary.json");
-    let text = std::fs::read(&path).map_err(|e| {
-        RunError::Input(format!(
-            "cannot read {}: {e}; give the folder of a finished run, such as output/SCENE",
-            path.display()
-        ))
-    })?;
-    let summary: Summary = serde_json::from_slice(&text)
-        .map_err(|e| RunError::Input(format!("{} is not the summary of a run: {e}", path.display())))?;
+    if let Some(report) = Report::read(folder)? {
+        let figures = report.figures()?;
+        for (name, svg) in &figures {
+            write(folder, name, svg)?;
+        }
+        return Ok(figures.into_iter().map(|(name, _)| name).collect());
+    }
+    let summary = Summary::load(folder)?;
     let mut branches = Vec::new();
     for line in &summary.branches {
         let mut branch = read_branch(&folder.join(&line.file), &line.name, line.kind, &line.free)?;
@@ -125,10 +125,12 @@ pub fn redraw(folder: &Path) -> Result<Vec<String>, RunError> {
     let mut drawn = Vec::new();
     for spec in &summary.figures {
         let svg = draw(spec, &branches)?;
-        write_atomically(&folder.join("figures").join(format!("{}.svg", spec.name)), |file| {
-            file.write_all(svg.as_bytes())
-        })?;
+        write(folder, &spec.name, &svg)?;
         drawn.push(spec.name.clone());
     }
     Ok(drawn)
+}
+
+fn write(folder: &Path, name: &str, svg: &str) -> Result<(), StoreError> {
+    write_atomically(&folder.join("figures").join(format!("{name}.svg")), |file| file.write_all(svg.as_bytes()))
 }

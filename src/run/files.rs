@@ -1,9 +1,9 @@
 //! The folder of a run: `output/SCENE/` with branches, points, figures, summary and log.
 
-use super::summary::Summary;
 use crate::branch::{
     Branch, BranchKind, StoreError, is_temporary, write_atomically, write_branch, write_mesh, write_point,
 };
+use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -73,9 +73,9 @@ impl Folder {
         write_atomically(&self.path("figures").join(format!("{name}.svg")), |file| file.write_all(svg.as_bytes()))
     }
 
-    pub fn write_summary(&self, summary: &Summary) -> Result<(), StoreError> {
-        write_atomically(&self.path("summary.json"), |file| {
-            serde_json::to_writer_pretty(file, summary).map_err(std::io::Error::from)
+    pub fn write_json(&self, name: &str, content: &impl Serialize) -> Result<(), StoreError> {
+        write_atomically(&self.path(name), |file| {
+            serde_json::to_writer_pretty(file, content).map_err(std::io::Error::from)
         })
     }
 

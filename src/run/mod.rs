@@ -1,5 +1,6 @@
 //! From a scene to files: the only place that knows all the others.
 
+mod bench;
 mod branch_curve;
 mod calibration;
 mod cycle_curve;
@@ -10,9 +11,11 @@ mod equilibria;
 mod figures;
 mod files;
 mod fold_curve;
+mod gallery;
 mod hopf_curve;
 mod hopf_surface;
 mod import;
+mod locus;
 mod map;
 mod outcome;
 mod plan;
@@ -28,8 +31,10 @@ mod watch;
 mod wave;
 mod written;
 
+pub use bench::{Report, bench, check_study, studies};
 pub use describe::{models, one_model};
 pub use figures::redraw;
+pub use gallery::{gallery, section};
 pub use import::import;
 pub use plan::plan;
 pub use summary::{Expected, Summary};
@@ -37,9 +42,8 @@ pub use template::template;
 pub use watch::INTERRUPTED;
 
 use crate::branch::{Branch, StoreError};
-use crate::orbit::bifurcations::Critical;
 use crate::plot::PlotError;
-use crate::scene::{Curve, Fault, Place, Scene, SceneError, Task, TaskKind, owner};
+use crate::scene::{Fault, Place, Scene, SceneError, Task, TaskKind, owner};
 use equilibria::Origin;
 use files::Folder;
 use outcome::{Outcome, Status};
@@ -110,9 +114,7 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
                 TaskKind::FoldCurve(_) => start::check_fold(scene, from, at)?,
                 TaskKind::BranchPointCurve(_) => start::check_branch_point(scene, from, at)?,
                 TaskKind::Equilibria(_) => start::check_equilibrium(scene, from, at)?,
-                TaskKind::LpcCurve(_) => start::check_cycle(scene, (from, at), "LPC", "a fold of cycles")?,
-                TaskKind::PdCurve(_) => start::check_cycle(scene, (from, at), "PD", "a period doubling")?,
-                TaskKind::NsCurve(_) => start::check_cycle(scene, (from, at), "NS", "a torus bifurcation")?,
+                TaskKind::CycleCurve(kind, _) => start::check_cycle(scene, (from, at), kind.point())?,
                 TaskKind::Cycles(ref cycles) if cycles.relative => start::check_relative(scene, &prepared, from, at)?,
                 TaskKind::Cycles(_) if start::is_cycle(scene, from) => {}
                 _ => start::check(scene, from, at)?,
@@ -148,27 +150,7 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
         let diagrams = ready.tasks.iter().filter(|(task, _)| matches!(task.kind, TaskKind::Diagram(_)));
         diagrams.for_each(|(task, _)| folder.clear_parts(&task.name));
     }
-    let home = scene.path.parent().unwrap_or(Path::new(""));
-    let mut outcomes: Vec<Outcome> = Vec::new();
-    for (task, prepared) in &ready.tasks {
-        watch.task(&task.name);
-        let found = match keeper.finished(&task.name) {
-            Some(found) => found,
-            None => perform((task, home), prepared, &outcomes, &keeper, &watch),
-        };
-        if found.iter().all(|outcome| outcome.status == Status::Done) {
-            keeper.finish(&task.name, &found);
-        }
-        for outcome in &found {
-            watch.say(format!("{}: {:?}, {}", outcome.branch.name, outcome.status, outcome.reason));
-            folder.write_branch(&outcome.branch)?;
-        }
-        let interrupted = found.iter().any(|outcome| outcome.status == Status::Interrupted);
-        outcomes.extend(found);
-        if interrupted {
-            break;
-        }
-    }
+    let outcomes = ready.compute(&keeper, &watch, &|branch| folder.write_branch(branch))?;
     let branches: Vec<Branch> = outcomes.iter().map(|outcome| outcome.branch.clone()).collect();
     let specs = figures::specs(scene, &branches, ready.study.picture_unit());
     for spec in &specs {
@@ -178,9 +160,42 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
         }
     }
     let summary = Summary::new(scene, &outcomes, specs, start.elapsed().as_secs_f64());
-    folder.write_summary(&summary)?;
+    folder.write_json("summary.json", &summary)?;
     folder.write_log(&watch.finish())?;
     Ok(summary)
+}
+
+impl Ready<'_> {
+    /// Performs the tasks one after another; what each leaves is handed to `store` at once.
+    fn compute(
+        &self,
+        keeper: &Keeper,
+        watch: &Watch,
+        store: &dyn Fn(&Branch) -> Result<(), StoreError>,
+    ) -> Result<Vec<Outcome>, StoreError> {
+        let home = self.scene.path.parent().unwrap_or(Path::new(""));
+        let mut outcomes: Vec<Outcome> = Vec::new();
+        for (task, prepared) in &self.tasks {
+            watch.task(&task.name);
+            let found = match keeper.finished(&task.name) {
+                Some(found) => found,
+                None => perform((task, home), prepared, &outcomes, keeper, watch),
+            };
+            if found.iter().all(|outcome| outcome.status == Status::Done) {
+                keeper.finish(&task.name, &found);
+            }
+            for outcome in &found {
+                watch.say(format!("{}: {:?}, {}", outcome.branch.name, outcome.status, outcome.reason));
+                store(&outcome.branch)?;
+            }
+            let interrupted = found.iter().any(|outcome| outcome.status == Status::Interrupted);
+            outcomes.extend(found);
+            if interrupted {
+                break;
+            }
+        }
+        Ok(outcomes)
+    }
 }
 
 /// `home` is the scene's folder, in which it may name files.
@@ -197,10 +212,6 @@ fn perform(
             let found: Vec<&str> = points().map(|point| point.label.as_str()).collect();
             format!("there is no {label}; found were: {}", found.join(", "))
         })
-    };
-    let cycle_curve = |what: (&Curve, Critical)| match source(&what.0.from) {
-        Ok(from) => cycle_curve::run(prepared, &task.name, what, from, watch),
-        Err(reason) => Outcome::failed(cycle_curve::empty(prepared, &task.name, what), reason),
     };
     let outcome = match &task.kind {
         TaskKind::Equilibria(equilibria) => match equilibria.from.as_ref().map(|(from, _)| source(from)).transpose() {
@@ -230,9 +241,10 @@ fn perform(
             Ok(from) => branch_curve::run(prepared, &task.name, curve, from, watch),
             Err(reason) => Outcome::failed(branch_curve::empty(prepared, &task.name, curve), reason),
         },
-        TaskKind::LpcCurve(curve) => cycle_curve((curve, Critical::Fold)),
-        TaskKind::PdCurve(curve) => cycle_curve((curve, Critical::Flip)),
-        TaskKind::NsCurve(curve) => cycle_curve((curve, Critical::Torus)),
+        TaskKind::CycleCurve(kind, curve) => match source(&curve.from) {
+            Ok(from) => cycle_curve::run(prepared, &task.name, (curve, *kind), from, watch),
+            Err(reason) => Outcome::failed(cycle_curve::empty(prepared, &task.name, (curve, *kind)), reason),
+        },
         TaskKind::Simulate(motion) => match motion.from.as_ref().map(|(from, _)| source(from)).transpose() {
             Ok(from) => simulate::run(prepared, &task.name, motion, from, watch),
             Err(reason) => Outcome::failed(simulate::empty(prepared, &task.name, motion), reason),

@@ -2,7 +2,7 @@
 
 use super::{RunError, ready};
 use crate::linalg::Structure;
-use crate::scene::{Scene, TaskKind};
+use crate::scene::{CycleKind, Scene, TaskKind};
 use std::fmt::Write;
 
 /// The plan of a scene, for people.
@@ -27,7 +27,9 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
         let note = if free { "  (free)" } else { "" };
         let _ = writeln!(out, "  {name:6} {value:12} {unit}{tie}{note}");
     }
+    let optional = crate::models::find(&scene.model.name).map_or(&[] as &[&str], |model| model.optional);
     let zero: Vec<&str> = parameters.iter().filter(|(_, x, ..)| *x == 0.0).map(|(name, ..)| name.as_str()).collect();
+    let zero: Vec<&str> = zero.into_iter().filter(|name| optional.contains(name)).collect();
     if !zero.is_empty() {
         let _ = writeln!(out, "  terms left out, their coefficient being zero: {}", zero.join(", "));
     }
@@ -84,14 +86,16 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
             }
             TaskKind::BranchPointCurve(curve) => {
                 let _ = writeln!(out, "  computed: branch points from {}, both ways along the curve", curve.from);
-                out += "  computed: beta, which is zero where branches do cross\n";
+                out += "  computed: imperfection, which is zero where branches do cross\n";
             }
-            TaskKind::LpcCurve(curve) | TaskKind::PdCurve(curve) | TaskKind::NsCurve(curve) => {
-                let (what, points) = match task.kind {
-                    TaskKind::LpcCurve(_) => ("folds of cycles", "CPC, R1, LPPD, LPNS"),
-                    TaskKind::PdCurve(_) => ("period doublings", "GPD, R2, LPPD, PDNS"),
-                    _ => ("torus bifurcations", "CH, R1, R2, R3, R4, LPNS, PDNS"),
+            TaskKind::CycleCurve(kind, curve) => {
+                let what = match kind {
+                    CycleKind::Lpc => "folds of cycles",
+                    CycleKind::Pd => "period doublings",
+                    CycleKind::Bpc => "broken symmetries of cycles",
+                    CycleKind::Ns => "torus bifurcations",
                 };
+                let points = kind.found().join(", ");
                 let _ = writeln!(
                     out,
                     "  computed: {what} from {}, both ways along the curve, with their normal form",
@@ -130,6 +134,13 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                      {:e} of the largest",
                     motion.tolerance, motion.absolute
                 );
+                for event in &motion.events {
+                    let _ = writeln!(
+                        out,
+                        "  computed: where {} = {} (EV), direction {}",
+                        event.of, event.value, event.direction
+                    );
+                }
                 let why = "a parameter changes all the time";
                 out += &yes_no(motion.ramp.is_none(), "steady states, cycles and closed curves of returns".into(), why);
             }
@@ -165,7 +176,7 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
                 }
             }
         }
-        let of_cycles = matches!(task.kind, TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_));
+        let of_cycles = matches!(task.kind, TaskKind::CycleCurve(..));
         let of_states = matches!(
             task.kind,
             TaskKind::Equilibria(_) | TaskKind::Diagram(_) | TaskKind::FoldCurve(_) | TaskKind::BranchPointCurve(_)
@@ -186,7 +197,7 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
         let estimates = "error estimates on a refined discretisation".to_owned();
         out += &match (along.errors, &task.kind) {
             (false, _) => yes_no(false, estimates, "errors = false"),
-            (true, _) if of_cycles => yes_no(false, estimates, "curves of cycles have none"),
+            (true, _) if of_cycles => yes_no(true, estimates, ""),
             (true, TaskKind::Simulate(_)) => {
                 yes_no(true, "errors of cycles by a second run with ten times the tolerance".into(), "")
             }
@@ -197,6 +208,14 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
     }
     for figure in &scene.figures {
         let _ = writeln!(out, "figure {}: {}", figure.name, figure.kind);
+    }
+    if let Some(study) = &scene.bench {
+        let settings: usize = study.families.iter().map(|family| family.variants.len()).sum();
+        let (numbers, families) = (study.quantities.len(), study.families.len());
+        let _ = writeln!(
+            out,
+            "study: {numbers} numbers, {families} families with {settings} settings (computed by hopfline bench alone)"
+        );
     }
     Ok(out)
 }

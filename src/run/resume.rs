@@ -24,7 +24,7 @@ pub struct Checkpoint {
     pub seconds: f64,
     /// How the first of two ways ended, if this is the second.
     pub behind: Option<(Status, String)>,
-    /// Test functions at the last point, and what the last three say of a homoclinic end.
+    /// Test functions at the last point, and what the last ones say of a homoclinic end.
     pub signs: Option<Signs>,
     pub passages: Vec<Passage>,
 }
@@ -48,7 +48,8 @@ const INTERVAL: Duration = Duration::from_millis(500);
 
 /// Reads and writes the states of one run.
 pub struct Keeper {
-    folder: PathBuf,
+    /// None: nothing is kept.
+    folder: Option<PathBuf>,
     scene: String,
     resuming: bool,
     last: Cell<Option<Instant>>,
@@ -56,18 +57,23 @@ pub struct Keeper {
 
 impl Keeper {
     pub fn new(folder: PathBuf, scene: String, resuming: bool) -> Self {
-        Self { folder, scene, resuming, last: Cell::new(None) }
+        Self { folder: Some(folder), scene, resuming, last: Cell::new(None) }
     }
 
-    fn path(&self, task: &str) -> PathBuf {
-        self.folder.join(format!("{task}.json"))
+    /// One that keeps nothing.
+    pub fn idle() -> Self {
+        Self { folder: None, scene: String::new(), resuming: false, last: Cell::new(None) }
+    }
+
+    fn path(&self, task: &str) -> Option<PathBuf> {
+        Some(self.folder.as_ref()?.join(format!("{task}.json")))
     }
 
     fn read(&self, task: &str) -> Option<State> {
         if !self.resuming {
             return None;
         }
-        let text = std::fs::read(self.path(task)).ok()?;
+        let text = std::fs::read(self.path(task)?).ok()?;
         let kept: Kept = serde_json::from_slice(&text).ok()?;
         (kept.scene == self.scene).then_some(kept.state)
     }
@@ -90,7 +96,7 @@ impl Keeper {
 
     /// Whether the last state is old enough to be replaced.
     pub fn due(&self) -> bool {
-        self.last.get().is_none_or(|last| last.elapsed() >= INTERVAL)
+        self.folder.is_some() && self.last.get().is_none_or(|last| last.elapsed() >= INTERVAL)
     }
 
     /// Keeps the state of a task: its branch must hold all rows up to where the walk is. Failure to write is no reason
@@ -102,12 +108,14 @@ impl Keeper {
     }
 
     pub fn finish(&self, task: &str, outcomes: &[Outcome]) {
-        self.write(task, State::Finished(outcomes.to_vec()));
+        if self.folder.is_some() {
+            self.write(task, State::Finished(outcomes.to_vec()));
+        }
     }
 
     fn write(&self, task: &str, state: State) {
+        let Some(path) = self.path(task) else { return };
         let kept = Kept { scene: self.scene.clone(), state };
-        let _ =
-            write_atomically(&self.path(task), |file| serde_json::to_writer(file, &kept).map_err(std::io::Error::from));
+        let _ = write_atomically(&path, |file| serde_json::to_writer(file, &kept).map_err(std::io::Error::from));
     }
 }

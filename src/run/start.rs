@@ -163,7 +163,7 @@ pub fn check_relative(scene: &Scene, prepared: &Prepared, from: &str, at: &Place
 }
 
 /// Curves of bifurcations of cycles start at such a point of a branch of cycles.
-pub fn check_cycle(scene: &Scene, (from, at): (&str, &Place), kind: &str, what: &str) -> Result<(), SceneError> {
+pub fn check_cycle(scene: &Scene, (from, at): (&str, &Place), (kind, what): (&str, &str)) -> Result<(), SceneError> {
     let label = Label::parse(from);
     let task = label.and_then(|label| owner(&scene.tasks, label.task));
     match (label, task.map(|task| &task.kind)) {

@@ -5,6 +5,10 @@ use crate::branch::SpecialPoint;
 use crate::orbit::{Frame, Orbit, Points};
 use crate::problem::{Problem, Reflection};
 
+/// A cycle that differs from its own image by no more than this, in parts of its size, is symmetric: it comes back to
+/// its image exactly once its equations are solved.
+const SYMMETRIC: f64 = 1e-4;
+
 /// A stored cycle with the tangent of its branch.
 pub struct StoredCycle {
     pub label: String,
@@ -52,6 +56,33 @@ impl StoredCycle {
             free: free as usize,
             cosine: array("critical").and_then(|a| a.first()).copied().unwrap_or(1.0),
         })
+    }
+
+    /// The first half of a cycle over its whole period that obeys the symmetry `u(t + T/2) = S u(t)`; None if it does not.
+    pub fn halved(&self, symmetry: &Reflection) -> Option<Self> {
+        let scheme = self.orbit.scheme();
+        let mut image = vec![0.0; self.orbit.dim];
+        let mut defect = |tau: f64| {
+            symmetry.apply(&self.orbit.at(tau, &scheme).0, &mut image);
+            let there = self.orbit.at(tau + 0.5, &scheme).0;
+            there.iter().zip(&image).fold(0.0_f64, |most, (u, v)| most.max((u - v).abs()))
+        };
+        let ends: Vec<f64> = self.orbit.mesh.iter().copied().filter(|tau| *tau < 0.5).collect();
+        let size = Self::deviation(&self.orbit);
+        let whole = self.orbit.parts == 1 && self.orbit.drift.is_empty();
+        if !whole || ends.iter().any(|&tau| defect(tau) > SYMMETRIC * size) {
+            return None;
+        }
+        let mesh: Vec<f64> = ends.into_iter().chain([0.5]).collect();
+        let half = |orbit: &Orbit| {
+            let mut half = orbit.interpolated(&mesh, orbit.degree);
+            let last = half.nodes.len() - orbit.dim;
+            half.nodes[last..].copy_from_slice(&orbit.at(0.5, &scheme).0);
+            half.mesh.iter_mut().for_each(|tau| *tau *= 2.0);
+            Orbit { part: 0.5 * orbit.part, parts: 2, ..half }
+        };
+        let (orbit, tangent) = (half(&self.orbit), half(&self.tangent));
+        Some(Self { label: self.label.clone(), orbit, tangent, p: self.p.clone(), ..*self })
     }
 
     /// On another mesh, with intervals in the same proportions.

@@ -4,9 +4,10 @@ use super::{branch_curve, cycle_curve, cycles, equilibria, fold_curve, hopf_curv
 use crate::linalg::Structure;
 use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
-use crate::orbit::bifurcations::Critical;
 use crate::problem::{Automatic, Default, Observable, Problem, Tie, Tied};
-use crate::scene::{Expression, Fault, OptionValue, Place, Scene, SceneError, Task, TaskKind, Value, owner, units};
+use crate::scene::{
+    self, Expression, Fault, OptionValue, Place, Scene, SceneError, Start, Task, TaskKind, Value, owner, units,
+};
 use num_dual::{Dual64, HyperDual64};
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -259,7 +260,7 @@ impl Study {
         // A simulation may leave all parameters as they are.
         let varies = !along.free.is_empty();
         let free = if varies { self.free(scene, &along.free, &along.free_at)? } else { 0 };
-        let q = &list[free];
+        let q = if varies { list.get(free) } else { None };
         let mut others = Vec::new();
         for axis in &along.others {
             others.push(self.free(scene, &axis.name, &along.free_at)?);
@@ -289,14 +290,18 @@ impl Study {
             self.check_start(scene, &problem.resolve(&p))?;
         }
         if let TaskKind::Simulate(simulation) = &task.kind {
-            if let Some((start, at)) = simulation.start.as_ref().filter(|(start, _)| start.len() != self.model.dim()) {
+            if let Some(Start::List(start, at)) = &simulation.start
+                && start.len() != self.model.dim()
+            {
                 let message =
                     format!("start has {} numbers, but the model has {} unknowns", start.len(), self.model.dim());
                 return Err(scene.refuse(at, message));
             }
             self.check_start(scene, &problem.resolve(&p))?;
         }
-        p[free] = self.values[free];
+        if varies {
+            p[free] = self.values[free];
+        }
         let (observables, averages) = self.wanted(scene, task)?;
         let waves = scene
             .figures
@@ -307,8 +312,8 @@ impl Study {
             problem: Arc::new(problem),
             p,
             free,
-            free_name: if varies { q.name.to_owned() } else { String::new() },
-            free_unit: if varies { q.unit.to_owned() } else { String::new() },
+            free_name: q.map_or("", |q| q.name).to_owned(),
+            free_unit: q.map_or("", |q| q.unit).to_owned(),
             others,
             observables,
             averages,
@@ -321,11 +326,12 @@ impl Study {
         let guesses = match &task.kind {
             TaskKind::Equilibria(task) => task.guess.as_slice(),
             TaskKind::Diagram(task) => &task.states,
+            TaskKind::Simulate(scene::Simulate { start: Some(Start::Named(guess)), .. }) => std::slice::from_ref(guess),
             _ => &[],
         };
         let (along, names) = (task.kind.along(), self.model.unknowns());
         for (name, value, at) in guesses.iter().flat_map(|guess| &guess.values) {
-            if *name == along.free {
+            if *name == along.free && !matches!(task.kind, TaskKind::Simulate(_)) {
                 let (from, to) = (along.range.from, along.range.to);
                 if !(from..=to).contains(value) {
                     return Err(scene.fault(at, Fault::OutsideRange { value: *value, from, to }));
@@ -348,9 +354,7 @@ impl Study {
             TaskKind::Equilibria(_) => &equilibria::VALUES,
             TaskKind::Diagram(_) => &[&equilibria::VALUES[..], &of_cycles[..]].concat(),
             TaskKind::Cycles(_) => &of_cycles,
-            TaskKind::LpcCurve(_) => cycle_curve::values(Critical::Fold),
-            TaskKind::PdCurve(_) => cycle_curve::values(Critical::Flip),
-            TaskKind::NsCurve(_) => cycle_curve::values(Critical::Torus),
+            TaskKind::CycleCurve(kind, _) => cycle_curve::values(kind),
             TaskKind::HopfCurve(_) => &hopf_curve::VALUES,
             TaskKind::FoldCurve(_) => &fold_curve::VALUES,
             TaskKind::BranchPointCurve(_) => &branch_curve::VALUES,
@@ -362,10 +366,7 @@ impl Study {
         let list = self.model.observables();
         let fitted = if let TaskKind::Calibration(task) = &task.kind { task.columns() } else { Vec::new() };
         let names: Vec<&str> = list.iter().map(|o| o.name).collect();
-        let periodic = matches!(
-            task.kind,
-            TaskKind::Cycles(_) | TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_)
-        );
+        let periodic = matches!(task.kind, TaskKind::Cycles(_) | TaskKind::CycleCurve(..));
         let (mut wanted, mut averages) = (BTreeSet::new(), BTreeSet::new());
         let mut note = |name: &str, at: &Place| -> Result<(), SceneError> {
             let base = name.strip_prefix("max ").or(name.strip_prefix("min ")).unwrap_or(name);
@@ -393,6 +394,15 @@ impl Study {
         for name in &along.observables {
             note(name, &place("observables"))?;
         }
+        if let TaskKind::Simulate(motion) = &task.kind {
+            for event in &motion.events {
+                if !names.contains(&event.of.as_str()) {
+                    let fault = Fault::unknown("observable", &event.of, names.iter().copied());
+                    return Err(scene.fault(&event.at, fault));
+                }
+                note(&event.of, &event.at)?;
+            }
+        }
         // Points are located on a column, so that here the name must be one: "max tip_angle" on cycles.
         let columns: Vec<String> = match &task.kind {
             TaskKind::Equilibria(_) | TaskKind::Diagram(_) => list.iter().map(|o| o.name.to_owned()).collect(),
@@ -405,9 +415,7 @@ impl Study {
             TaskKind::HopfCurve(_)
             | TaskKind::FoldCurve(_)
             | TaskKind::BranchPointCurve(_)
-            | TaskKind::LpcCurve(_)
-            | TaskKind::PdCurve(_)
-            | TaskKind::NsCurve(_) => along.others.iter().map(|axis| axis.name.clone()).collect(),
+            | TaskKind::CycleCurve(..) => along.others.iter().map(|axis| axis.name.clone()).collect(),
             TaskKind::Calibration(_) | TaskKind::Map(_) | TaskKind::HopfSurface(_) | TaskKind::Simulate(_) => {
                 Vec::new()
             }

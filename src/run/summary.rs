@@ -1,5 +1,6 @@
 //! `summary.json`, and the table that a run prints.
 
+use super::RunError;
 use super::outcome::{Outcome, Status};
 use crate::branch::{BranchKind, Kind};
 use crate::continuation::Counts;
@@ -8,6 +9,7 @@ use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::path::Path;
 
 #[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
 pub struct Summary {
@@ -118,6 +120,19 @@ impl Summary {
         }
     }
 
+    /// The summary in the folder of a finished run.
+    pub fn load(folder: &Path) -> Result<Self, RunError> {
+        let path = folder.join("summary.json");
+        let text = std::fs::read(&path).map_err(|e| {
+            RunError::Input(format!(
+                "cannot read {}: {e}; give the folder of a finished run, such as output/SCENE",
+                path.display()
+            ))
+        })?;
+        serde_json::from_slice(&text)
+            .map_err(|e| RunError::Input(format!("{} is not the summary of a run: {e}", path.display())))
+    }
+
     /// Whether every task was done and every expectation met.
     pub fn success(&self) -> bool {
         self.tasks.iter().all(|task| task.status == Status::Done) && self.expect.iter().all(|e| e.met)
@@ -188,7 +203,7 @@ impl Summary {
 }
 
 /// "338.88948540 ± 3e-8": as many digits as the error leaves.
-fn with_error(value: f64, error: Option<&f64>) -> String {
+pub(super) fn with_error(value: f64, error: Option<&f64>) -> String {
     match error {
         Some(&error) if error > 0.0 && error.is_finite() => {
             let decimals = (1.0 - error.log10().floor()).clamp(0.0, 15.0) as usize;

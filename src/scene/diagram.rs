@@ -56,6 +56,7 @@ pub(super) fn read(section: &Section<'_>, name: &str) -> Result<Diagram, SceneEr
             guess: None,
             bounds: bounds(section)?,
             spectrum: count("spectrum", 0..=1000, 0)?,
+            all_eigenvalues: None,
             detect: ["HB", "LP", "BP"].map(str::to_owned).to_vec(),
             along: along.clone(),
         },

@@ -3,20 +3,10 @@
 use super::{Fault, Task, TaskKind};
 
 /// Kinds of points that a scene can refer to.
-pub const POINT_KINDS: [&str; 27] = [
-    "HB", "LP", "BP", "KC", "XP", "UZ", "EP", "LC", "GH", "BT", "ZH", "HH", "CP", "LPC", "PD", "NS", "BPC", "CPC",
-    "GPD", "CH", "R1", "R2", "R3", "R4", "LPPD", "LPNS", "PDNS",
+pub const POINT_KINDS: [&str; 31] = [
+    "HB", "LP", "BP", "KC", "XP", "UZ", "EP", "LC", "EV", "GH", "BT", "ZH", "HH", "CP", "LPC", "PD", "NS", "BPC",
+    "CPC", "GPD", "CH", "R1", "R2", "R3", "R4", "LPPD", "LPNS", "PDNS", "GBPC", "LPBP", "BPNS",
 ];
-
-/// What curves of critical cycles find, by the kind of the task.
-fn found_on(task: &TaskKind) -> &'static [&'static str] {
-    match task {
-        TaskKind::LpcCurve(_) => &["CPC", "R1", "LPPD", "LPNS"],
-        TaskKind::PdCurve(_) => &["GPD", "R2", "LPPD", "PDNS"],
-        TaskKind::NsCurve(_) => &["CH", "R1", "R2", "R3", "R4", "LPNS", "PDNS"],
-        _ => &[],
-    }
-}
 
 /// "straight/HB1": the first Hopf point of the task "straight".
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,9 +95,11 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         }
         ("EP", _) => None,
         ("LC", TaskKind::Simulate(_)) => None,
-        (_, TaskKind::Simulate(_)) => {
-            Some(" (a simulation leaves EP1, and LC1 where it settles on a cycle)".to_owned())
-        }
+        ("EV", TaskKind::Simulate(task)) if !task.events.is_empty() => None,
+        ("EV", TaskKind::Simulate(_)) => Some("; give it events = [{ of = \"x\", value = 0 }]".to_owned()),
+        (_, TaskKind::Simulate(_)) => Some(
+            " (a simulation leaves EP1, LC1 where it settles on a cycle, and EV1, EV2, ... at its events)".to_owned(),
+        ),
         ("HB" | "LP" | "BP" | "UZ", TaskKind::Diagram(_)) => None,
         (_, TaskKind::Diagram(_)) => Some(" (it finds HB, LP, BP, UZ and EP)".to_owned()),
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
@@ -129,8 +121,8 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         ("CP" | "BT" | "ZH", TaskKind::FoldCurve(_)) => None,
         (_, TaskKind::FoldCurve(_)) => Some(" (it follows folds: only CP, BT, ZH, UZ and EP)".to_owned()),
         (_, TaskKind::BranchPointCurve(_)) => Some(" (it follows branch points: only UZ and EP)".to_owned()),
-        (_, TaskKind::LpcCurve(_) | TaskKind::PdCurve(_) | TaskKind::NsCurve(_)) => {
-            let found = found_on(&task.kind);
+        (_, TaskKind::CycleCurve(curve, _)) => {
+            let found = curve.found();
             (!found.contains(&kind)).then(|| format!(" (it finds only {}, UZ and EP)", found.join(", ")))
         }
         ("LPC" | "PD" | "NS" | "BPC", TaskKind::Cycles(cycles)) => missing(&cycles.detect, kind),

@@ -1,6 +1,7 @@
 //! A scene: one TOML file per study, typed, with the place of every entry for error messages. No numerics.
 
 mod along;
+mod bench;
 mod calibration;
 mod diagram;
 mod entry;
@@ -22,6 +23,7 @@ mod tree;
 pub mod units;
 
 pub use crate::expression::Expression;
+pub use bench::{Bench, Family, Quantity, Reference, Variant};
 pub use calibration::QUANTITIES;
 pub use error::{EntryError, Fault, SceneError};
 pub use figure::FIGURE_KINDS;
@@ -50,6 +52,8 @@ pub struct Scene {
     pub tasks: Vec<Task>,
     pub figures: Vec<Figure>,
     pub expect: Vec<Expectation>,
+    /// What `hopfline bench` does with the scene.
+    pub bench: Option<Bench>,
     /// The `--set` arguments laid over the file, as given.
     pub sets: Vec<String>,
     /// Whether one of them changed `[model]` or `[parameters]`: the expectations hold for the scene as written, and
@@ -197,9 +201,7 @@ pub enum TaskKind {
     HopfCurve(Curve),
     FoldCurve(Curve),
     BranchPointCurve(Curve),
-    LpcCurve(Curve),
-    PdCurve(Curve),
-    NsCurve(Curve),
+    CycleCurve(CycleKind, Curve),
     Calibration(Calibration),
     Map(Map),
     HopfSurface(Surface),
@@ -224,9 +226,7 @@ impl TaskKind {
             TaskKind::HopfCurve(_) => "hopf-curve",
             TaskKind::FoldCurve(_) => "fold-curve",
             TaskKind::BranchPointCurve(_) => "branch-point-curve",
-            TaskKind::LpcCurve(_) => "lpc-curve",
-            TaskKind::PdCurve(_) => "pd-curve",
-            TaskKind::NsCurve(_) => "ns-curve",
+            TaskKind::CycleCurve(kind, _) => kind.task(),
             TaskKind::Calibration(_) => "calibration",
             TaskKind::Map(_) => "map",
             TaskKind::HopfSurface(_) => "hopf-surface",
@@ -240,7 +240,7 @@ impl TaskKind {
             TaskKind::Diagram(task) => &task.equilibria.along,
             TaskKind::Cycles(task) => &task.along,
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) | TaskKind::BranchPointCurve(task) => &task.along,
-            TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => &task.along,
+            TaskKind::CycleCurve(_, task) => &task.along,
             TaskKind::Calibration(task) => &task.along,
             TaskKind::Map(task) => &task.along,
             TaskKind::HopfSurface(task) => &task.along,
@@ -258,9 +258,7 @@ impl TaskKind {
             TaskKind::HopfCurve(task) | TaskKind::FoldCurve(task) | TaskKind::BranchPointCurve(task) => {
                 Some((&task.from, &task.from_at))
             }
-            TaskKind::LpcCurve(task) | TaskKind::PdCurve(task) | TaskKind::NsCurve(task) => {
-                Some((&task.from, &task.from_at))
-            }
+            TaskKind::CycleCurve(_, task) => Some((&task.from, &task.from_at)),
             TaskKind::Calibration(task) => Some((&task.from, &task.from_at)),
             TaskKind::HopfSurface(task) => Some((&task.from, &task.from_at)),
         }
@@ -306,8 +304,9 @@ pub struct Simulate {
     pub along: Along,
     /// The point of another branch where the motion starts, and its place.
     pub from: Option<(String, Place)>,
-    /// Values of all unknowns at the start; default: the model's own.
-    pub start: Option<(Vec<f64>, Place)>,
+    pub start: Option<Start>,
+    /// Crossings that are stored, in the order of the scene.
+    pub events: Vec<Happening>,
     /// Added to the start along its eigenmode: the largest entry.
     pub amplitude: Option<f64>,
     pub parameters: Vec<(String, f64)>,
@@ -325,6 +324,27 @@ pub struct Simulate {
     pub samples: usize,
 }
 
+/// Where a motion starts, if not at the model's own start.
+#[derive(Clone, Debug)]
+pub enum Start {
+    /// All unknowns.
+    List(Vec<f64>, Place),
+    /// Some of them, by name; the others as in the model's start.
+    Named(Guess),
+}
+
+/// `{ of = "x", value = 0, direction = "up", stop = true }`: an observable crosses a value.
+#[derive(Clone, Debug)]
+pub struct Happening {
+    pub of: String,
+    pub value: f64,
+    /// "up", "down" or "any", the default.
+    pub direction: &'static str,
+    /// Whether the motion ends there. Default false.
+    pub stop: bool,
+    pub at: Place,
+}
+
 /// `kind = "equilibria"`.
 #[derive(Clone, Debug)]
 pub struct Equilibria {
@@ -339,6 +359,8 @@ pub struct Equilibria {
     pub bounds: Vec<(String, Range)>,
     /// Leading eigenvalues followed as continuous branches; 0: none.
     pub spectrum: usize,
+    /// Whether all eigenvalues are computed, or the leading ones where the model has structure; default: all up to 256 unknowns.
+    pub all_eigenvalues: Option<bool>,
     /// Kinds of special points looked for: "HB", "LP", "BP".
     pub detect: Vec<String>,
 }
@@ -408,7 +430,50 @@ impl Cycles {
     }
 }
 
-/// `kind = "hopf-curve"`, `"fold-curve"`, `"branch-point-curve"`, `"lpc-curve"`, `"pd-curve"` or `"ns-curve"`.
+/// Which bifurcations of cycles a curve follows: folds, period doublings, broken symmetries, tori.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CycleKind {
+    Lpc,
+    Pd,
+    Bpc,
+    Ns,
+}
+
+impl CycleKind {
+    pub const ALL: [CycleKind; 4] = [CycleKind::Lpc, CycleKind::Pd, CycleKind::Bpc, CycleKind::Ns];
+
+    /// The task's kind.
+    pub fn task(self) -> &'static str {
+        match self {
+            CycleKind::Lpc => "lpc-curve",
+            CycleKind::Pd => "pd-curve",
+            CycleKind::Bpc => "bpc-curve",
+            CycleKind::Ns => "ns-curve",
+        }
+    }
+
+    /// The kind of its points, and what they are.
+    pub fn point(self) -> (&'static str, &'static str) {
+        match self {
+            CycleKind::Lpc => ("LPC", "a fold of cycles"),
+            CycleKind::Pd => ("PD", "a period doubling"),
+            CycleKind::Bpc => ("BPC", "a branch point where cycles lose a symmetry"),
+            CycleKind::Ns => ("NS", "a torus bifurcation"),
+        }
+    }
+
+    /// Points of codimension two that may lie on the curve.
+    pub fn found(self) -> &'static [&'static str] {
+        match self {
+            CycleKind::Lpc => &["CPC", "R1", "LPPD", "LPBP", "LPNS"],
+            CycleKind::Pd => &["GPD", "R2", "LPPD", "PDNS"],
+            CycleKind::Bpc => &["GBPC", "R2", "LPBP", "BPNS"],
+            CycleKind::Ns => &["CH", "R1", "R2", "R3", "R4", "LPNS", "PDNS", "BPNS"],
+        }
+    }
+}
+
+/// `kind = "hopf-curve"`, `"fold-curve"`, `"branch-point-curve"`, or that of a [`CycleKind`].
 #[derive(Clone, Debug)]
 pub struct Curve {
     /// Two parameters; only the second must have a range.

@@ -21,21 +21,30 @@ impl Override {
     pub fn parse(argument: &str) -> Result<Override, SceneError> {
         let refuse = |fault| SceneError::Override { argument: argument.to_owned(), fault };
         let (key, value) = argument.split_once('=').ok_or_else(|| refuse(Fault::NotAnAssignment))?;
-        let path = split(key);
-        if path.contains(&"") {
-            return Err(refuse(Fault::EmptyKey));
-        }
-        check_path(&path).map_err(refuse)?;
+        let path = path(key).map_err(refuse)?;
         let value = value.trim();
         if value.is_empty() {
             let key = key.trim().to_owned();
             return Err(refuse(Fault::NoValue { key }));
         }
-        Ok(Override {
-            argument: argument.to_owned(),
-            path: path.into_iter().map(str::to_owned).collect(),
-            value: read_value(value).map_err(refuse)?,
-        })
+        Ok(Override { argument: argument.to_owned(), path, value: read_value(value).map_err(refuse)? })
+    }
+
+    /// An entry of a file that changes another one, `"task.beat.degree" = 4`; here another model may take the whole place of
+    /// one.
+    pub fn entry(key: &str, value: &Node) -> Result<Override, Fault> {
+        let path = if key == "model" { vec![key.to_owned()] } else { path(key)? };
+        Ok(Override { argument: key.to_owned(), path, value: value.clone() })
+    }
+
+    /// Key and value, for people.
+    pub fn words(&self) -> (String, String) {
+        (self.path.join("."), self.value.content.written())
+    }
+
+    /// What is wrong with the argument.
+    pub fn refuse(&self, fault: Fault) -> SceneError {
+        SceneError::Override { argument: self.argument.clone(), fault }
     }
 
     /// Whether the model's numbers change, so that expectations need not hold any more.
@@ -43,15 +52,14 @@ impl Override {
         matches!(self.path.first().map(String::as_str), Some("model" | "parameters"))
     }
 
-    pub fn apply(&self, scene: &mut Table) -> Result<(), SceneError> {
-        let put = match self.path.as_slice() {
+    pub fn apply(&self, scene: &mut Table) -> Result<(), Fault> {
+        match self.path.as_slice() {
             [root, name, rest @ ..] if root == "task" || root == "figure" => {
                 let what = if root == "task" { "task" } else { "figure" };
                 named(scene, what, name).and_then(|table| put(table, rest, &self.value))
             }
             path => put(scene, path, &self.value),
-        };
-        put.map_err(|fault| SceneError::Override { argument: self.argument.clone(), fault })
+        }
     }
 }
 
@@ -72,6 +80,16 @@ pub(super) fn behind(arguments: &[String], key: &str) -> Option<String> {
 /// `task.beat.range` into its parts.
 fn split(key: &str) -> Vec<&str> {
     key.split('.').map(str::trim).collect()
+}
+
+/// The parts of a key that may be overridden.
+fn path(key: &str) -> Result<Vec<String>, Fault> {
+    let path = split(key);
+    if path.contains(&"") {
+        return Err(Fault::EmptyKey);
+    }
+    check_path(&path)?;
+    Ok(path.into_iter().map(str::to_owned).collect())
 }
 
 fn check_path(path: &[&str]) -> Result<(), Fault> {

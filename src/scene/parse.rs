@@ -6,9 +6,11 @@ use std::path::Path;
 use super::entry::{Section, Source};
 use super::label::{Announced, is_name, owned};
 use super::overrides::Override;
-use super::{Fault, Figure, Place, Scene, SceneError, Task, TaskKind, expect, figure, model, parameters, task, tree};
+use super::{
+    Fault, Figure, Place, Scene, SceneError, Task, TaskKind, bench, expect, figure, model, parameters, task, tree,
+};
 
-const SECTIONS: [&str; 6] = ["title", "model", "parameters", "task", "figure", "expect"];
+const SECTIONS: [&str; 7] = ["title", "model", "parameters", "task", "figure", "expect", "bench"];
 
 impl Scene {
     /// Reads a scene file and lays `--set KEY=VALUE` arguments over it.
@@ -23,7 +25,7 @@ impl Scene {
         let overrides =
             sets.iter().map(|argument| Override::parse(argument)).collect::<Result<Vec<Override>, SceneError>>()?;
         for one in &overrides {
-            one.apply(&mut table)?;
+            one.apply(&mut table).map_err(|fault| one.refuse(fault))?;
         }
         let source = Source { path, sets };
         let root = Section { source: &source, table: &table, at: Place::default() };
@@ -31,7 +33,7 @@ impl Scene {
     }
 }
 
-fn read(root: &Section<'_>, overridden: bool) -> Result<Scene, SceneError> {
+pub(super) fn read(root: &Section<'_>, overridden: bool) -> Result<Scene, SceneError> {
     root.allow("section", &SECTIONS)?;
     let path = root.source.path;
     let name = path.file_stem().map_or("scene".to_owned(), |stem| stem.to_string_lossy().into_owned());
@@ -47,6 +49,7 @@ fn read(root: &Section<'_>, overridden: bool) -> Result<Scene, SceneError> {
         parameters: parameters::read(root)?,
         figures: figures(root, &tasks, &announced)?,
         expect: expect::read(root, &tasks, &announced)?,
+        bench: bench::read(root, &tasks, &announced)?,
         tasks,
         sets: root.source.sets.to_vec(),
         overridden,
@@ -82,9 +85,13 @@ fn figures(root: &Section<'_>, tasks: &[Task], announced: &[Announced]) -> Resul
         .collect()
 }
 
-/// The `[[task]]` or `[[figure]]` sections with their names: valid, and none twice.
-fn named_sections<'a>(root: &Section<'a>, what: &'static str) -> Result<Vec<(String, Section<'a>)>, SceneError> {
-    let Some(entry) = root.get(what) else {
+/// The `[[task]]`, `[[figure]]` or, in `[bench]`, `[[bench.family]]` sections with their names: valid, and none twice.
+pub(super) fn named_sections<'a>(
+    root: &Section<'a>,
+    what: &'static str,
+) -> Result<Vec<(String, Section<'a>)>, SceneError> {
+    let key = what.rsplit('.').next().unwrap_or(what);
+    let Some(entry) = root.get(key) else {
         return Ok(Vec::new());
     };
     let expected = format!("a list of sections, each headed [[{what}]]");

@@ -4,12 +4,14 @@ use std::collections::BTreeMap;
 
 use super::entry::{Entry, Section};
 use super::label::{self, Announced};
-use super::{Along, Axis, Fault, Range, SceneError, Simulate, Task};
+use super::tree::Content;
+use super::{Along, Axis, Fault, Happening, Range, SceneError, Simulate, Start, Task, diagram};
 
 /// Keys that no other kind has.
-pub(super) const OWN: [&str; 8] = ["amplitude", "parameters", "time", "ramp", "over", "method", "absolute", "samples"];
+pub(super) const OWN: [&str; 9] =
+    ["amplitude", "parameters", "time", "ramp", "over", "method", "absolute", "samples", "events"];
 
-pub(super) const KEYS: [&str; 15] = [
+pub(super) const KEYS: [&str; 16] = [
     "name",
     "kind",
     "from",
@@ -23,6 +25,7 @@ pub(super) const KEYS: [&str; 15] = [
     "tolerance",
     "absolute",
     "samples",
+    "events",
     "observables",
     "errors",
 ];
@@ -47,11 +50,23 @@ pub(super) fn read(section: &Section<'_>, read: &[Task], announced: &[Announced]
         None => None,
     };
     let start = match section.get("start") {
+        Some(entry) if matches!(entry.node.content, Content::Table(_)) => Some(Start::Named(diagram::guess(&entry)?)),
         Some(entry) => {
-            let items = entry.list("a list of numbers, one for each unknown")?;
-            Some((items.iter().map(Entry::number).collect::<Result<Vec<f64>, _>>()?, entry.at))
+            let items = entry.list("a list of numbers, one for each unknown, or a table such as { x = 1 }")?;
+            Some(Start::List(items.iter().map(Entry::number).collect::<Result<Vec<f64>, _>>()?, entry.at))
         }
         None => None,
+    };
+    let events = match (section.get("events"), section.get("over")) {
+        (Some(entry), Some(_)) => {
+            let message = "events are those of one motion; leave out events or over";
+            return Err(entry.error(Fault::Other(message.into())));
+        }
+        (Some(entry), None) => {
+            let items = entry.list("a list such as [{ of = \"x\", value = 0 }]")?;
+            items.iter().map(happening).collect::<Result<Vec<_>, _>>()?
+        }
+        (None, _) => Vec::new(),
     };
     let time = section.need("time", "time = [0, 10], when the motion begins and ends")?;
     let time = super::along::range_ends(&time, "[begin, end], two times")?;
@@ -132,6 +147,7 @@ pub(super) fn read(section: &Section<'_>, read: &[Task], announced: &[Announced]
         along,
         from,
         start,
+        events,
         amplitude: match section.get("amplitude") {
             Some(entry) => Some(entry.number()?),
             None => None,
@@ -150,6 +166,25 @@ pub(super) fn read(section: &Section<'_>, read: &[Task], announced: &[Announced]
             Some(entry) => entry.count(1..=MOST)?,
             None => SAMPLES,
         },
+    })
+}
+
+fn happening(entry: &Entry<'_>) -> Result<Happening, SceneError> {
+    const EXAMPLE: &str = "{ of = \"x\", value = 0, direction = \"up\" }, an observable and the value that it crosses";
+    let section = entry.section(EXAMPLE)?;
+    section.allow("key of an event", &["of", "value", "direction", "stop"])?;
+    Ok(Happening {
+        of: section.need("of", EXAMPLE)?.text()?.to_owned(),
+        value: section.need("value", EXAMPLE)?.number()?,
+        direction: match section.get("direction") {
+            Some(entry) => entry.choice("direction", &["up", "down", "any"])?,
+            None => "any",
+        },
+        stop: match section.get("stop") {
+            Some(entry) => entry.flag()?,
+            None => false,
+        },
+        at: entry.at.clone(),
     })
 }
 

@@ -4,10 +4,12 @@ use super::entry::{Entry, Section};
 use super::label::{self, Announced};
 use super::simulate;
 use super::tree::Content;
-use super::{Along, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, diagram, map, several};
+use super::{
+    Along, CycleKind, Cycles, Equilibria, Fault, SceneError, Task, TaskKind, along, calibration, diagram, map, several,
+};
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 13] = [
+pub const TASK_KINDS: [&str; 14] = [
     "equilibria",
     "diagram",
     "cycles",
@@ -16,6 +18,7 @@ pub const TASK_KINDS: [&str; 13] = [
     "branch-point-curve",
     "lpc-curve",
     "pd-curve",
+    "bpc-curve",
     "ns-curve",
     "hopf-surface",
     "calibration",
@@ -25,7 +28,7 @@ pub const TASK_KINDS: [&str; 13] = [
 
 const COMMON: [&str; 9] =
     ["name", "kind", "free", "range", "values", "max_step", "max_points", "observables", "errors"];
-const EQUILIBRIA: [&str; 6] = ["log", "from", "start", "state", "spectrum", "detect"];
+const EQUILIBRIA: [&str; 7] = ["log", "from", "start", "state", "spectrum", "all_eigenvalues", "detect"];
 const CYCLES: [&str; 9] =
     ["from", "intervals", "tolerance", "degree", "points", "multipliers", "symmetry", "detect", "relative"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
@@ -84,19 +87,12 @@ pub(super) fn read(
             let example = "from = \"TASK/BP1\", a branch point of the curve";
             TaskKind::BranchPointCurve(several::curve(section, read, announced, example)?)
         }
-        kind @ ("lpc-curve" | "pd-curve" | "ns-curve") => {
+        kind @ ("lpc-curve" | "pd-curve" | "bpc-curve" | "ns-curve") => {
             section.allow("key of a curve of cycles", &CURVE)?;
-            let example = match kind {
-                "lpc-curve" => "from = \"TASK/LPC1\", a fold of cycles",
-                "pd-curve" => "from = \"TASK/PD1\", a period doubling",
-                _ => "from = \"TASK/NS1\", a torus bifurcation",
-            };
-            let curve = several::curve(section, read, announced, example)?;
-            match kind {
-                "lpc-curve" => TaskKind::LpcCurve(curve),
-                "pd-curve" => TaskKind::PdCurve(curve),
-                _ => TaskKind::NsCurve(curve),
-            }
+            let kind = CycleKind::ALL.into_iter().find(|known| known.task() == kind).unwrap_or(CycleKind::Ns);
+            let (point, what) = kind.point();
+            let example = format!("from = \"TASK/{point}1\", {what}");
+            TaskKind::CycleCurve(kind, several::curve(section, read, announced, &example)?)
         }
         "calibration" => {
             section.allow("key of a calibration task", &CALIBRATION)?;
@@ -152,6 +148,7 @@ fn equilibria(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> 
             Some(entry) => entry.count(0..=MAX_COLUMNS)?,
             None => 0,
         },
+        all_eigenvalues: section.get("all_eigenvalues").map(|entry| entry.flag()).transpose()?,
         detect: match section.get("detect") {
             Some(entry) => detect(&entry, &["HB", "LP", "BP"])?,
             None => Vec::new(),
@@ -179,10 +176,9 @@ fn cycles(section: &Section<'_>, read: &[Task], announced: &[Announced]) -> Resu
         None => false,
     };
     if let (true, Some(detect)) = (relative, section.get("detect"))
-        && !detect.texts()?.is_empty()
+        && detect.texts()?.iter().any(|kind| kind == "BPC")
     {
-        let message =
-            "bifurcations of relative periodic orbits are not looked for; leave out detect, or relative = true";
+        let message = "branch points of relative periodic orbits are not looked for; only LPC, PD and NS are";
         return Err(detect.error(Fault::Other(message.to_owned())));
     }
     if !is_file(from.text()?) {

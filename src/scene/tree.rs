@@ -76,6 +76,28 @@ impl Content {
     }
 }
 
+impl Content {
+    /// The value as a file has it.
+    pub fn written(&self) -> String {
+        match self {
+            Content::Text(text) => text.clone(),
+            Content::Integer(value) => value.to_string(),
+            Content::Number(value) if *value != 0.0 && !(1e-3..1e6).contains(&value.abs()) => format!("{value:e}"),
+            Content::Number(value) => value.to_string(),
+            Content::Flag(value) => value.to_string(),
+            Content::Date(text) => text.clone(),
+            Content::List(items) => {
+                let items: Vec<String> = items.iter().map(|item| item.content.written()).collect();
+                format!("[{}]", items.join(", "))
+            }
+            Content::Table(table) => {
+                let entries = table.entries.iter().map(|(key, node)| format!("{key} = {}", node.content.written()));
+                format!("{{ {} }}", entries.collect::<Vec<_>>().join(", "))
+            }
+        }
+    }
+}
+
 /// Reads a document.
 pub(super) fn document(text: &str, path: &Path) -> Result<Table, SceneError> {
     let lines = Lines::new(text);

@@ -1,5 +1,6 @@
 //! What a motion settles on: a steady state, a cycle, a closed curve of returns, or nothing that can be named.
 
+use super::drift::Drift;
 use super::form::norm;
 use super::integrate::{Control, Course, Motion, Step, integrate};
 use super::returns::{Range, Return, Returns, observe};
@@ -142,14 +143,11 @@ fn gap(list: &[Return], k: usize, q: usize) -> f64 {
 /// A cycle, if the last returns repeat.
 fn recognise(list: &[Return], control: &Control, size: f64) -> Option<Cycle> {
     let allowed = control.tolerance.max(control.absolute);
-    (1..=CROSSINGS).find_map(|q| {
-        let k = list.len().checked_sub(1)?;
-        if k < 3 * q {
-            return None;
-        }
+    for q in 1..=CROSSINGS {
+        let k = list.len().checked_sub(1).filter(|k| *k >= 3 * q)?;
         let extent = list[k + 1 - q..].iter().map(|lap| lap.extent).fold(0.0, f64::max);
         if extent <= NOISE * control.absolute * size {
-            return None;
+            continue;
         }
         let gap = |k: usize| gap(list, k, q);
         let (now, before) = (gap(k), gap(k - q));
@@ -163,23 +161,42 @@ fn recognise(list: &[Return], control: &Control, size: f64) -> Option<Cycle> {
             let most = |gaps: &[f64]| gaps.iter().copied().fold(0.0, f64::max);
             most(&gaps) <= 0.1 * NOISE * allowed * extent && most(second) <= 3.0 * most(first)
         };
-        if !(settled || enough && agree()) {
-            return None;
+        if settled || enough && agree() {
+            let drift = Drift::of(list, q);
+            // Several laps together would repeat no better: the motion is still on its way.
+            let arrived = drift.is_none_or(|drift| drift.distance() <= SETTLED * allowed * extent);
+            // Returns that converge differ by what is left; those that only agree, by errors of the integrator.
+            let laps = if settled { 1 } else { AGREEING.min(k / q - 1) };
+            return arrived.then(|| measured(list, (q, laps), drift));
         }
-        let (last, lap) = (&list[k], |k: usize| list[k].t - list[k - q].t);
-        let range = |k: usize, o: usize| {
-            let laps = list[k + 1 - q..=k].iter().map(|lap| lap.ranges[o]);
-            laps.reduce(|a, b| Range { max: a.max.max(b.max), min: a.min.min(b.min) })
-        };
-        let mut errors = vec![(lap(k) - lap(k - q)).abs()];
-        let mut ranges = Vec::new();
-        for o in 0..last.ranges.len() {
-            let (now, before) = (range(k, o)?, range(k - q, o)?);
-            errors.extend([(now.max - before.max).abs(), (now.min - before.min).abs()]);
-            ranges.push(now);
+    }
+    None
+}
+
+/// The last lap of `q` returns as a cycle; its errors are what the `laps` before differ by from it, or what is left of a
+/// drift.
+fn measured(list: &[Return], (q, laps): (usize, usize), drift: Option<Drift>) -> Cycle {
+    let k = list.len() - 1;
+    let last = &list[k];
+    let lap = |k: usize| list[k].t - list[k - q].t;
+    let range = |k: usize, o: usize| {
+        let laps = list[k + 1 - q..=k].iter().map(|lap| lap.ranges[o]);
+        let nothing = Range { max: f64::NEG_INFINITY, min: f64::INFINITY };
+        laps.fold(nothing, |a, b| Range { max: a.max.max(b.max), min: a.min.min(b.min) })
+    };
+    let error = |value: &dyn Fn(usize) -> f64| {
+        let apart = |laps: usize| (value(k) - value(k - laps * q)).abs();
+        match drift {
+            Some(drift) => apart(1).max(apart(drift.laps) * drift.left()),
+            None => (1..=laps).map(apart).fold(0.0, f64::max),
         }
-        Some(Cycle { period: lap(k), ranges, errors, at: last.u.clone(), time: last.t, crossings: q })
-    })
+    };
+    let mut errors = vec![error(&lap)];
+    for o in 0..last.ranges.len() {
+        errors.extend([error(&|k| range(k, o).max), error(&|k| range(k, o).min)]);
+    }
+    let ranges = (0..last.ranges.len()).map(|o| range(k, o)).collect();
+    Cycle { period: lap(k), ranges, errors, at: last.u.clone(), time: last.t, crossings: q }
 }
 
 /// Adds to the errors what a run with ten times the tolerance differs by.
@@ -201,7 +218,9 @@ fn compare(
         let values = |cycle: &Cycle| {
             std::iter::once(cycle.period).chain(cycle.ranges.iter().flat_map(|range| [range.max, range.min])).collect()
         };
-        let (fine, coarse): (Vec<f64>, Vec<f64>) = (values(cycle), values(&other));
+        let (fine, mut coarse): (Vec<f64>, Vec<f64>) = (values(cycle), values(&other));
+        // It may have taken several rounds for one.
+        coarse[0] /= (coarse[0] / fine[0]).round().max(1.0);
         for (error, (a, b)) in cycle.errors.iter_mut().zip(fine.iter().zip(&coarse)) {
             *error += (a - b).abs();
         }

@@ -6,8 +6,8 @@ use super::form::Form;
 use crate::continuation::Counts;
 use crate::linalg::finite;
 use crate::problem::Problem;
-use diffsol::{FaerSparseLU, OdeBuilder, OdeSolverMethod, OdeSolverStopReason};
-use diffsol::{FaerSparseMat, FaerVec, VectorCommon as _};
+use diffsol::{BdfState, FaerSparseLU, OdeBuilder, OdeSolverMethod, OdeSolverState as _, OdeSolverStopReason};
+use diffsol::{FaerSparseMat, FaerVec, Tableau, VectorCommon as _};
 use std::ops::ControlFlow;
 
 /// Methods of integration.
@@ -152,15 +152,20 @@ impl Leg<'_> {
             .build_from_eqn(equations);
         let mut problem = problem.map_err(|error| refused(start.t, error.to_string()))?;
         problem.ode_options.min_timestep = LEAST_STEP;
+        // The library counts these over the whole motion; the least step bounds those that follow each other.
+        problem.ode_options.max_nonlinear_solver_failures = usize::MAX;
+        // The start is consistent; the library's search for one asks for more digits of the rates than there are.
         let outcome = match self.control.method {
             Method::Bdf => {
-                let solver = problem.bdf::<FaerSparseLU<f64>>();
+                let solver =
+                    BdfState::new(&problem, 1).and_then(|state| problem.bdf_solver::<FaerSparseLU<f64>>(state));
                 solver
                     .map_err(|error| refused(start.t, error.to_string()))
                     .and_then(|solver| self.steps(solver, start, see))
             }
             Method::Sdirk => {
-                let solver = problem.esdirk34::<FaerSparseLU<f64>>();
+                let state = problem.rk_state(&Tableau::esdirk34());
+                let solver = state.and_then(|state| problem.esdirk34_solver::<FaerSparseLU<f64>>(state));
                 solver
                     .map_err(|error| refused(start.t, error.to_string()))
                     .and_then(|solver| self.steps(solver, start, see))

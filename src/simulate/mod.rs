@@ -15,13 +15,16 @@
 //! doi:10.1137/1.9781611971224, chapter 5).
 
 mod attractor;
+mod drift;
 mod equations;
+mod event;
 mod form;
 mod integrate;
 mod returns;
 mod ring;
 
 pub use attractor::{Attractor, Cycle, Search, Settled, settle};
+pub use event::{Direction, Event};
 pub use integrate::{Control, Course, Method, Motion, Step, integrate};
 pub use returns::Range;
 pub use ring::Ring;

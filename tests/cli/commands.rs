@@ -127,3 +127,31 @@ fn progress_is_silent_in_a_pipe() {
     let finished = desk.hopfline(&["run", "small.toml", "--only", "straight"]);
     assert_eq!((finished.code, finished.stderr.as_str()), (Some(0), ""));
 }
+
+#[test]
+fn the_gallery_shows_what_was_run() {
+    let desk = Desk::new();
+    let scene = "# A pitchfork.\ntitle = \"Pitch\"\n[model]\nequations = \"x' = m*x - x^3\"\n[model.parameters]\nm = -1\n\
+        [[task]]\nname = \"rest\"\nkind = \"equilibria\"\nfree = \"m\"\nrange = [-1, 1]\ndetect = [\"BP\"]\n\
+        [[figure]]\nname = \"rest\"\nx = \"m\"\ny = \"x\"\ntasks = [\"rest\"]\n[expect]\n\
+        \"rest/BP1\".m = { value = 0, tolerance = 1e-12, source = \"exact\" }\n";
+    fs::create_dir(desk.path("scenes")).unwrap();
+    desk.write("scenes/pitch.toml", scene);
+    let refused = desk.hopfline(&["gallery", "scenes"]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("summary.json"), "{}", refused.stderr);
+    desk.succeed(&["run", "scenes/pitch.toml", "--quiet"]);
+    assert!(desk.succeed(&["gallery", "scenes"]).contains("README.md"));
+    let page = fs::read_to_string(desk.path("scenes/README.md")).unwrap();
+    for words in ["| 1 of 1 |", "**Pitch.** A pitchfork.", "| rest/BP1.m | 0 | 0 | 0e0 | exact |", "gallery/pitch.svg"]
+    {
+        assert!(page.contains(words), "no {words:?} in {page}");
+    }
+    assert!(desk.files("output/gallery").contains(&"pitch.svg".to_owned()));
+    // Results of a scene that expects something else do not count.
+    desk.write("scenes/pitch.toml", &scene.replace("\"rest/BP1\".m", "\"rest/EP1\".m"));
+    let refused = desk.hopfline(&["gallery", "scenes"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("another version"), "{}", refused.stderr);
+    let refused = desk.hopfline(&["gallery", "nowhere"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("nowhere"), "{}", refused.stderr);
+}

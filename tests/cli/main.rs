@@ -1,5 +1,6 @@
 //! The program as its users meet it: arguments in, exit code, streams and files out.
 
+mod bench;
 mod commands;
 mod input;
 mod results;

@@ -55,7 +55,8 @@ pub fn spectrum(
     vectors: usize,
 ) -> Vec<(c64, Vec<c64>)> {
     let coordinate = Coordinate { index: 0, logarithmic: false, width: 1.0 };
-    let system = Equilibria { problem: problem.clone(), p: p.to_vec(), coordinate, scale_state: 1.0 };
+    let system =
+        Equilibria { problem: problem.clone(), p: p.to_vec(), coordinate, scale_state: 1.0, all_eigenvalues: None };
     let pairs = system.spectrum(u, p[0], shift, vectors).expect("a spectrum");
     pairs.into_iter().map(|pair| (pair.value, pair.vector)).collect()
 }

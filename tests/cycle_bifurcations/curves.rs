@@ -3,6 +3,7 @@
 use super::common::near;
 use super::coordinate;
 use super::exact::{C, Form, M, OMEGA, exact};
+use hopfline::bifurcation::Locus;
 use hopfline::continuation::{Counts, Point, StepControl, Walk};
 use hopfline::orbit::Collocation;
 use hopfline::orbit::bifurcations::{Critical, CycleCurve, CycleSegment, CycleTest};

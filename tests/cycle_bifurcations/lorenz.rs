@@ -4,7 +4,7 @@ use super::common::lorenz::Lorenz;
 use super::common::{close, near};
 use super::{Branch, fixed};
 use hopfline::continuation::Counts;
-use hopfline::orbit::bifurcations::{CycleNormalForm, Departure, Event};
+use hopfline::orbit::bifurcations::{CycleNormalForm, Departure, Event, Passed};
 use hopfline::orbit::{Frame, Orbit, Points, Scheme};
 use hopfline::problem::Reflection;
 
@@ -131,7 +131,8 @@ fn the_branch_from_the_hopf_point_ends_at_a_homoclinic_orbit() {
     let end = followed.homoclinic.expect("a homoclinic end");
     near("rho", end.lambda, 13.926557, 5e-7);
     // The state of rest, whose slow stable rate is beta.
-    close("its rate", end.rates.1.expect("a saddle"), 8.0 / 3.0, 1e-9);
+    let Passed::Saddle { rate, own } = end.passed else { panic!("{:?}", end.passed) };
+    close("its rate", own.expect("a saddle"), 8.0 / 3.0, 1e-9);
     // The stable rate beta is smaller than the unstable one.
-    close("rate", end.rates.0, 8.0 / 3.0, 1e-2);
+    close("rate", rate, 8.0 / 3.0, 1e-2);
 }

@@ -92,9 +92,7 @@ impl Branch {
                 }
             }
             passages.push(Passage::new(&*walk.system, &step.to));
-            if let [.., a, b, c] = passages[..] {
-                followed.homoclinic = Homoclinic::recognise([a, b, c], (&*walk.system, &step.to), high - low);
-            }
+            followed.homoclinic = Homoclinic::recognise(&passages, (&*walk.system, &step.to), high - low);
             signs = next;
             if followed.found.len() >= wanted || followed.homoclinic.is_some() || step.stop.is_some() {
                 followed.stop = step.stop;

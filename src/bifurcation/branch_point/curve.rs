@@ -13,8 +13,8 @@
 //! they would if the problem were changed by beta b. The solution of the linear system is by block elimination.
 
 use super::{Frame, Place, Scales};
-use crate::bifurcation::coordinate::Coordinate;
 use crate::bifurcation::steady::unit;
+use crate::bifurcation::{Coordinate, Locus, Segment};
 use crate::continuation::{Border, Counts, Factored, Failure, Point, System, correct, inner};
 use crate::linalg::{Lu, Singular, dot};
 use crate::problem::{At, Direction, Problem};
@@ -106,11 +106,6 @@ impl BranchCurve {
         self.values(self.coordinates(point))
     }
 
-    /// z1 and z2.
-    pub fn coordinates(&self, point: &Point) -> [f64; 2] {
-        [point.x[self.problem.dim()], point.lambda]
-    }
-
     /// By how much of b the problem must be changed for the branches to cross here.
     pub fn imperfection(&self, point: &Point) -> f64 {
         point.x[self.problem.dim() + 1]
@@ -133,6 +128,32 @@ impl BranchCurve {
         let n = self.problem.dim();
         let (rest, p) = (vec![0.0; n], self.values([x[n], lambda]));
         Frame::new(&self.place(), At { u: &x[..n], v: &rest, p: &p }, &self.c, &self.b)
+    }
+}
+
+impl Locus for BranchCurve {
+    /// Which coordinate takes which value.
+    type Test = (usize, f64);
+    const SMALL: f64 = 1e-5;
+
+    fn axes(&self) -> [Coordinate; 2] {
+        [self.first, self.second]
+    }
+
+    fn coordinates(&self, point: &Point) -> [f64; 2] {
+        [point.x[self.problem.dim()], point.lambda]
+    }
+
+    fn taking(k: usize, goal: f64) -> (usize, f64) {
+        (k, goal)
+    }
+
+    fn goal((k, goal): (usize, f64)) -> Option<f64> {
+        (k == 1).then_some(goal)
+    }
+
+    fn value(step: &Segment<Self>, (k, goal): (usize, f64), point: &Point) -> f64 {
+        step.curve.coordinates(point)[k] - goal
     }
 }
 

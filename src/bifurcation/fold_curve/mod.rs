@@ -17,7 +17,7 @@ mod segment;
 pub use blocks::FoldFactors;
 pub use segment::{FoldSegment, FoldTest};
 
-use super::coordinate::Coordinate;
+use super::Coordinate;
 use super::steady::{Steady, unit};
 use crate::continuation::{Border, Counts, Failure, Point, System, correct, inner};
 use crate::linalg::{Singular, c64, dot, pencil};
@@ -98,11 +98,6 @@ impl FoldCurve {
         let (rest, p) = (vec![0.0; u.len()], self.values(z));
         let (gu, gv) = self.problem.linearised(At { u, v: &rest, p: &p });
         (gu, gv, p)
-    }
-
-    /// z1 and z2.
-    pub fn coordinates(&self, point: &Point) -> [f64; 2] {
-        [point.x[self.problem.dim()], point.lambda]
     }
 
     /// The kernel's vectors q and w (`gamma . q = beta . w = 1`), and G_v.

@@ -12,10 +12,10 @@ mod segment;
 pub use blocks::HopfFactors;
 pub(super) use borders::Borders;
 pub(super) use scalar::Scalar;
-pub use segment::{Segment, Test};
+pub use segment::{HopfSegment, Test};
 
-use super::coordinate::Coordinate;
 use super::steady::Steady;
+use super::{Coordinate, Locus};
 use super::{Hopf, HopfError};
 use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, correct, inner};
 use crate::linalg::{Eigenpair, Singular, c64, dot, pencil};
@@ -103,11 +103,6 @@ impl HopfCurve {
     /// omega² at a point: zero at a Bogdanov-Takens point.
     pub fn kappa(&self, point: &Point) -> f64 {
         point.x[self.problem.dim()]
-    }
-
-    /// z1 and z2.
-    pub fn coordinates(&self, point: &Point) -> [f64; 2] {
-        [point.x[self.problem.dim() + 1], point.lambda]
     }
 
     /// The parameter that is best solved for at a point, with the other held.

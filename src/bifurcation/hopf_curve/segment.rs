@@ -1,19 +1,14 @@
 //! What happens between two points of a Hopf curve: points of codimension two, and wanted values.
 
 use super::HopfCurve;
-use crate::bifurcation::HopfNormalForm;
-use crate::continuation::{Counts, Failure, Point, at_lambda, crossing};
+use crate::bifurcation::{Coordinate, HopfNormalForm, Locus, Segment};
+use crate::continuation::{Counts, Failure, Point};
 use crate::linalg::c64;
 use crate::problem::{Problem, Prolongation};
 use std::sync::Arc;
 
-/// One step: its two ends, and the curve with the borders that were in force.
-#[derive(Clone)]
-pub struct Segment {
-    pub curve: HopfCurve,
-    pub from: Point,
-    pub to: Point,
-}
+/// A step of a Hopf curve.
+pub type HopfSegment = Segment<HopfCurve>;
 
 /// A function along the curve whose zero is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,25 +25,42 @@ pub enum Test {
     Pair(c64, c64),
 }
 
-/// A function that changes sign at a pole does not come this close to zero, in parts of its values at the ends.
-const SMALL: f64 = 1e-6;
+impl Locus for HopfCurve {
+    type Test = Test;
+    const SMALL: f64 = 1e-6;
 
-impl Segment {
-    /// The test's value at a point; not a number where it does not exist.
-    pub fn value(&self, test: Test, point: &Point) -> f64 {
-        match test {
-            Test::Value(k, goal) => self.curve.coordinates(point)[k] - goal,
-            Test::Frequency => self.curve.kappa(point),
-            Test::Criticality => {
-                let hopf = self.curve.hopf(point, self.curve.solvable(point));
-                let form = hopf.and_then(|hopf| HopfNormalForm::new(&*self.curve.problem, &hopf));
-                form.map_or(f64::NAN, |form| form.l1)
-            }
-            Test::Steady => self.curve.steady(point).unwrap_or(f64::NAN),
-            Test::Pair(from, to) => self.pair(from, to, point).map_or(f64::NAN, |pair| pair.re),
-        }
+    fn axes(&self) -> [Coordinate; 2] {
+        [self.first, self.second]
     }
 
+    fn coordinates(&self, point: &Point) -> [f64; 2] {
+        [point.x[self.problem.dim() + 1], point.lambda]
+    }
+
+    fn taking(k: usize, goal: f64) -> Test {
+        Test::Value(k, goal)
+    }
+
+    fn goal(test: Test) -> Option<f64> {
+        if let Test::Value(1, goal) = test { Some(goal) } else { None }
+    }
+
+    fn value(step: &HopfSegment, test: Test, point: &Point) -> f64 {
+        match test {
+            Test::Value(k, goal) => step.curve.coordinates(point)[k] - goal,
+            Test::Frequency => step.curve.kappa(point),
+            Test::Criticality => {
+                let hopf = step.curve.hopf(point, step.curve.solvable(point));
+                let form = hopf.and_then(|hopf| HopfNormalForm::new(&*step.curve.problem, &hopf));
+                form.map_or(f64::NAN, |form| form.l1)
+            }
+            Test::Steady => step.curve.steady(point).unwrap_or(f64::NAN),
+            Test::Pair(from, to) => step.pair(from, to, point).map_or(f64::NAN, |pair| pair.re),
+        }
+    }
+}
+
+impl HopfSegment {
     /// The pair that was `from` at one end and is `to` at the other.
     pub fn pair(&self, from: c64, to: c64, point: &Point) -> Option<c64> {
         let distance = |end: &Point| {
@@ -60,21 +72,6 @@ impl Segment {
         let expected = if left + right > 0.0 { (from * right + to * left) / (left + right) } else { from };
         let others = self.curve.others(point).ok()?;
         others.into_iter().filter(|z| z.im > 0.0).min_by(|x, y| (x - expected).norm().total_cmp(&(y - expected).norm()))
-    }
-
-    /// Where the test vanishes, if it changes sign; `Ok(None)` if it does not, or only through a pole.
-    pub fn locate(&self, test: Test, counts: &mut Counts) -> Result<Option<Point>, Failure> {
-        let ends = (&self.from, &self.to);
-        let (a, b) = (self.value(test, &self.from), self.value(test, &self.to));
-        if !(a * b < 0.0 || b == 0.0) {
-            return Ok(None);
-        }
-        if let Test::Value(1, goal) = test {
-            return Ok(Some(at_lambda(&self.curve, ends, goal, counts)?.point));
-        }
-        let found = crossing(&self.curve, ends, &|point: &Point| self.value(test, point), counts)?;
-        let small = self.value(test, &found).abs() <= SMALL * a.abs().max(b.abs());
-        Ok(small.then_some(found))
     }
 
     /// Double Hopf points to look for: pairs whose real part changes sign, by the other eigenvalues at both ends.

@@ -28,17 +28,18 @@ pub(super) fn fill(model: &TwoDoublet, at: At, mut gu: MatMut<'_, f64>, mut gv: 
     let delta: Vec<f64> = (0..m).map(|i| psi[0][i] - psi[1][i]).collect();
     let delta_t: Vec<f64> = (0..m).map(|i| psi_t[0][i] - psi_t[1][i]).collect();
     let f_n = model.normal_force(&groups, &delta, &delta_t);
-    let coupling = [stiffness(model, &groups, &delta), scaled_rows(&basis.integrated_value, |_| groups.beta_n)];
+    let elastic = stiffness(model, &groups, &delta);
+    let viscous = (groups.beta_n != 0.0).then(|| scaled_rows(&basis.integrated_value, |_| groups.beta_n));
 
     // The shear moment acts alike on both doublets, whichever is varied.
     let slope = |i: usize| {
         let mean = 0.5 * (psi[0][i] + psi[1][i]);
         0.5 * w[i] * (groups.kappa_t + 3.0 * groups.kappa_3t * mean * mean)
     };
-    let shear = [
-        product(basis.value_transposed.as_ref(), scaled_rows(b, slope).as_ref()),
-        Mat::from_fn(k, k, |i, j| 0.5 * groups.beta_t * basis.gram[(i, j)]),
-    ];
+    let shear = (!groups.shearless()).then(|| {
+        let elastic = product(basis.value_transposed.as_ref(), scaled_rows(b, slope).as_ref());
+        [elastic, Mat::from_fn(k, k, |i, j| 0.5 * groups.beta_t * basis.gram[(i, j)])]
+    });
 
     for n in 0..2 {
         let traction = model.traction(EPS[n], &groups, (&psi[n], &psi_t[n]), (&distribution, &f_n));
@@ -78,19 +79,24 @@ pub(super) fn fill(model: &TwoDoublet, at: At, mut gu: MatMut<'_, f64>, mut gv: 
         let turned = scaled_rows(b, |i| -c[i] * beyond_x[i] - s[i] * beyond_y[i]);
         let turned = product(basis.value_transposed.as_ref(), turned.as_ref());
         let tested = left.as_ref().subrows(m, m).transpose();
-        let cross = [product(tested, coupling[0].as_ref()), product(tested, coupling[1].as_ref())];
+        let elastic = product(tested, elastic.as_ref());
+        let viscous = viscous.as_ref().map(|viscous| product(tested, viscous.as_ref()));
 
         for (other, eps) in EPS.into_iter().enumerate() {
             let sign = EPS[n] * eps;
             for j in 0..k {
-                let out_u = gu.rb_mut().col_mut(other * k + j).subrows_mut(n * k, k);
-                let out_v = gv.rb_mut().col_mut(other * k + j).subrows_mut(n * k, k);
-                let shear = [shear[0].col_as_slice(j), shear[1].col_as_slice(j)];
-                let cross = [cross[0].col_as_slice(j), cross[1].col_as_slice(j)];
-                for (out, (shear, cross)) in [out_u, out_v].into_iter().zip(shear.into_iter().zip(cross)) {
-                    for (out, (shear, cross)) in out.iter_mut().zip(shear.iter().zip(cross)) {
-                        *out = shear + sign * cross;
+                let mut out_u = gu.rb_mut().col_mut(other * k + j).subrows_mut(n * k, k);
+                let mut out_v = gv.rb_mut().col_mut(other * k + j).subrows_mut(n * k, k);
+                out_u.rb_mut().iter_mut().zip(elastic.col_as_slice(j)).for_each(|(out, cross)| *out = sign * cross);
+                match &viscous {
+                    None => out_v.fill(0.0),
+                    Some(viscous) => {
+                        let viscous = viscous.col_as_slice(j).iter();
+                        out_v.rb_mut().iter_mut().zip(viscous).for_each(|(out, cross)| *out = sign * cross);
                     }
+                }
+                for (out, shear) in [out_u, out_v].into_iter().zip(shear.iter().flatten()) {
+                    out.iter_mut().zip(shear.col_as_slice(j)).for_each(|(out, shear)| *out += shear);
                 }
                 if other == n {
                     let mut out_u = gu.rb_mut().col_mut(n * k + j).subrows_mut(n * k, k);

@@ -102,6 +102,13 @@ pub(super) struct Groups<S> {
     pub kappa_3t: S,
 }
 
+impl<S: Scalar> Groups<S> {
+    /// Whether no moment couples the doublets.
+    pub fn shearless(&self) -> bool {
+        self.kappa_t.vanishes() && self.beta_t.vanishes() && self.kappa_3t.vanishes()
+    }
+}
+
 impl TwoDoublet {
     /// From the scene's options `load`, `law` and `functions`.
     pub fn build(options: &Options) -> Result<Arc<dyn Problem>, ModelError> {
@@ -159,15 +166,19 @@ impl TwoDoublet {
         force
     }
 
-    /// The moment per length m at the Gauss points.
-    fn moment<S: Scalar>(&self, g: &Groups<S>, psi: &[Vec<S>; 2], psi_t: &[Vec<S>; 2]) -> Vec<S> {
-        (0..self.basis.points)
+    /// The moment per length m at the Gauss points; `None` without shear coupling.
+    fn moment<S: Scalar>(&self, g: &Groups<S>, psi: &[Vec<S>; 2], psi_t: &[Vec<S>; 2]) -> Option<Vec<S>> {
+        if g.shearless() {
+            return None;
+        }
+        let moment = (0..self.basis.points)
             .map(|i| {
                 let mean = (psi[0][i] + psi[1][i]) * 0.5;
                 let mean_t = (psi_t[0][i] + psi_t[1][i]) * 0.5;
                 -(g.kappa_t * mean + g.beta_t * mean_t + g.kappa_3t * mean * mean * mean)
             })
-            .collect()
+            .collect();
+        Some(moment)
     }
 
     /// Angles (or their rates) of both doublets at the Gauss points.
@@ -233,7 +244,7 @@ impl Formula for TwoDoublet {
         for (n, out) in g.chunks_mut(k).enumerate() {
             let traction = self.traction(EPS[n], &groups, (&psi[n], &psi_t[n]), (&distribution, &f_n));
             let (beyond_x, beyond_y) = (self.basis.beyond(&traction.g_x), self.basis.beyond(&traction.g_y));
-            let projected = traction.motion.tested(&self.basis, [&beyond_x, &beyond_y], Some(&m));
+            let projected = traction.motion.tested(&self.basis, [&beyond_x, &beyond_y], m.as_deref());
             for i in 0..k {
                 out[i] = projected[i] + u[n * k + i];
             }

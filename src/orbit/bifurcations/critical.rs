@@ -11,7 +11,7 @@ use crate::bifurcation::Coordinate;
 use crate::continuation::{Counts, Factored, Failure, System};
 use crate::linalg::{Lu, Singular, dot, finite};
 use crate::orbit::{Collocation, Orbit};
-use crate::problem::{Prolongation, Reflection};
+use crate::problem::Refinement;
 use faer::Mat;
 use std::sync::Arc;
 
@@ -111,28 +111,33 @@ impl CriticalCycle {
         r
     }
 
+    /// The step of Newton's method at x, with border rows that make the system square and are to stay as they are.
+    pub fn newton(&self, x: &[f64], rows: &[&[f64]], counts: &mut Counts) -> Result<Vec<f64>, Failure> {
+        let place = Arc::new(self.place(x)?);
+        counts.factorisations += 1;
+        counts.residuals += 1;
+        let mut step = self.residual(x, &place);
+        if !finite(&step) {
+            return Err(Failure::NotFinite);
+        }
+        step.resize(step.len() + rows.len(), 0.0);
+        CriticalFactors::new(self, place, x, rows)?.solve(&mut step);
+        counts.newton += 1;
+        step.iter_mut().for_each(|d| *d = -*d);
+        if finite(&step) { Ok(step) } else { Err(Singular.into()) }
+    }
+
     /// Solves the extended system in the first parameter alone, from x near its solution.
     pub fn solve(&self, mut x: Vec<f64>, counts: &mut Counts) -> Result<Vec<f64>, Failure> {
         let mut last = f64::INFINITY;
         for _ in 0..MOST_STEPS {
-            let place = Arc::new(self.place(&x)?);
-            counts.factorisations += 1;
-            counts.residuals += 1;
-            let mut right = self.residual(&x, &place);
-            if !finite(&right) {
-                return Err(Failure::NotFinite);
-            }
-            CriticalFactors::new(self, place, &x, &[])?.solve(&mut right);
-            counts.newton += 1;
-            if !finite(&right) {
-                return Err(Singular.into());
-            }
-            x.iter_mut().zip(&right).for_each(|(x, d)| *x -= d);
+            let step = self.newton(&x, &[], counts)?;
+            x.iter_mut().zip(&step).for_each(|(x, d)| *x += d);
             let orbital = self.orbital(&x);
-            let sizes = self.system.dual(&right[..orbital]);
-            let mut size = dot(&right[..orbital], &sizes);
-            size += right[orbital..self.inner(&x)].iter().map(|d| d * d).sum::<f64>();
-            for (coordinate, d) in self.coordinates.iter().zip(&right[self.inner(&x)..]) {
+            let sizes = self.system.dual(&step[..orbital]);
+            let mut size = dot(&step[..orbital], &sizes);
+            size += step[orbital..self.inner(&x)].iter().map(|d| d * d).sum::<f64>();
+            for (coordinate, d) in self.coordinates.iter().zip(&step[self.inner(&x)..]) {
                 size += (d / coordinate.width).powi(2);
             }
             let size = size.sqrt();
@@ -148,28 +153,23 @@ impl CriticalCycle {
     }
 
     /// The same on a finer discretisation, by a degree more in time, and in space where there is a refinement; and x
-    /// there.
-    pub fn refined(
-        &self,
-        x: &[f64],
-        refinement: Option<(Arc<dyn crate::problem::Problem>, &Prolongation, Reflection)>,
-    ) -> (Self, Vec<f64>) {
+    /// there, which is near a solution. None if the refinement lacks the orbit's symmetry.
+    pub fn refined(&self, x: &[f64], refinement: Option<&Refinement>) -> Option<(Self, Vec<f64>)> {
         let orbit = self.orbit(x);
         let mut frame = self.system.frame.clone();
         frame.p = self.parameters(x);
-        let borders = self.borders.interpolated(&orbit, &orbit.mesh, orbit.degree + 1);
         let mut finer = orbit.interpolated(&orbit.mesh, orbit.degree + 1);
         let mut fine = self.clone();
-        fine.borders = borders;
-        if let Some((problem, prolong, symmetry)) = refinement {
+        fine.borders = self.borders.interpolated(&orbit, &orbit.mesh, orbit.degree + 1);
+        if let Some(Refinement { problem, prolong }) = refinement {
             fine.borders = fine.borders.mapped(orbit.dim, &**prolong);
             finer = finer.mapped(&**prolong);
-            (frame.problem, frame.symmetry) = (problem, symmetry);
+            frame = frame.of(problem)?;
         }
         fine.system = Collocation::new(frame, &finer);
         let mut unknowns = Collocation::unknowns(&finer);
         unknowns.extend(&x[self.orbital(x)..]);
-        (fine, unknowns)
+        Some((fine, unknowns))
     }
 }
 

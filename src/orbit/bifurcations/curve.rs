@@ -6,10 +6,11 @@
 
 use super::signs::{flip, torus};
 use super::{Critical, CriticalCycle, CriticalFactors, CycleNormalForm, Place};
-use crate::bifurcation::Coordinate;
-use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, at_lambda, correct, crossing, inner};
+use crate::bifurcation::{Coordinate, Locus, Segment};
+use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, correct, inner};
 use crate::linalg::{Singular, c64};
 use crate::orbit::{Collocation, Orbit, Transitions, multipliers};
+use crate::problem::Refinement;
 use std::sync::{Arc, Mutex};
 
 /// What was factored last: Newton's method asks for residual and factors at the same points.
@@ -80,11 +81,6 @@ impl CycleCurve {
         Ok(place)
     }
 
-    /// z1 and z2.
-    pub fn coordinates(&self, point: &Point) -> [f64; 2] {
-        [point.x[point.x.len() - 1], point.lambda]
-    }
-
     pub fn parameters(&self, point: &Point) -> Vec<f64> {
         self.cycle.parameters(&Self::unknowns(point))
     }
@@ -100,6 +96,22 @@ impl CycleCurve {
 
     pub fn normal_form(&self, point: &Point) -> Result<CycleNormalForm, Singular> {
         CycleNormalForm::new(&self.cycle, &Self::unknowns(point))
+    }
+
+    /// The point on a finer discretisation, by one Newton step with one coordinate held: the error of the error is left.
+    pub fn finer(
+        &self,
+        point: &Point,
+        held: usize,
+        refinement: Option<&Refinement>,
+        counts: &mut Counts,
+    ) -> Option<(CriticalCycle, Vec<f64>)> {
+        let (fine, mut x) = self.cycle.refined(&Self::unknowns(point), refinement)?;
+        let mut row = vec![0.0; x.len()];
+        row[x.len() - 2 + held] = 1.0 / self.cycle.coordinates[held].width;
+        let step = fine.newton(&x, &[&row], counts).ok()?;
+        x.iter_mut().zip(&step).for_each(|(x, d)| *x += d);
+        Some((fine, x))
     }
 
     fn fold(&self, point: &Point) -> Result<f64, Singular> {
@@ -173,13 +185,8 @@ impl System for CycleCurve {
     }
 }
 
-/// One step: its two ends, and the curve with the mesh and the borders that were in force.
-#[derive(Clone)]
-pub struct CycleSegment {
-    pub curve: CycleCurve,
-    pub from: Point,
-    pub to: Point,
-}
+/// A step of a curve of critical cycles.
+pub type CycleSegment = Segment<CycleCurve>;
 
 /// A function along the curve whose zero is looked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -199,10 +206,72 @@ pub enum CycleTest {
     Torus,
 }
 
-/// A function that changes sign at a pole does not come this close to zero, in parts of its values at the ends.
-const SMALL: f64 = 1e-5;
+impl Locus for CycleCurve {
+    type Test = CycleTest;
+    const SMALL: f64 = 1e-5;
+
+    fn axes(&self) -> [Coordinate; 2] {
+        [self.cycle.coordinates[0], self.cycle.coordinates[1]]
+    }
+
+    fn coordinates(&self, point: &Point) -> [f64; 2] {
+        [point.x[point.x.len() - 1], point.lambda]
+    }
+
+    fn taking(k: usize, goal: f64) -> CycleTest {
+        CycleTest::Value(k, goal)
+    }
+
+    fn goal(test: CycleTest) -> Option<f64> {
+        if let CycleTest::Value(1, goal) = test { Some(goal) } else { None }
+    }
+
+    fn value(step: &CycleSegment, test: CycleTest, point: &Point) -> f64 {
+        let curve = &step.curve;
+        let form = |part: fn(&CycleNormalForm) -> f64| curve.normal_form(point).map_or(f64::NAN, |form| part(&form));
+        match test {
+            CycleTest::Value(k, goal) => curve.coordinates(point)[k] - goal,
+            CycleTest::Degenerate if curve.cycle.kind == Critical::Torus => {
+                let inside = curve.cosine(point).is_some_and(|c| c.abs() < 1.0);
+                if inside { form(|form| form.coefficient.re) } else { f64::NAN }
+            }
+            CycleTest::Degenerate => form(|form| form.top.re),
+            CycleTest::Double => form(|form| form.bottom.re),
+            CycleTest::Cosine(goal) => curve.cosine(point).map_or(f64::NAN, |c| c - goal),
+            CycleTest::Fold => curve.fold(point).unwrap_or(f64::NAN),
+            CycleTest::Flip => curve.multipliers(point).map_or(f64::NAN, |nu| flip(&nu)),
+            CycleTest::Torus => curve.multipliers(point).map_or(f64::NAN, |nu| torus(&nu).0),
+        }
+    }
+
+    /// A real pair with a product of one is a neutral saddle.
+    fn genuine(step: &CycleSegment, test: CycleTest, zero: &Point) -> Result<bool, Failure> {
+        if test != CycleTest::Torus {
+            return Ok(true);
+        }
+        let nu = step.curve.multipliers(zero)?;
+        Ok(torus(&nu).1.is_some_and(|(i, j)| nu[i].im != 0.0 && nu[i] == nu[j].conj()))
+    }
+}
 
 impl CycleSegment {
+    /// The same step on a finer discretisation, if it can be had.
+    pub fn refined(&self, refinement: Option<&Refinement>, counts: &mut Counts) -> Option<Self> {
+        let before = &self.curve.cycle;
+        let (cycle, x) = before.refined(&CycleCurve::unknowns(&self.from), refinement)?;
+        let (_, y) = before.refined(&CycleCurve::unknowns(&self.to), refinement)?;
+        let curve = CycleCurve { cycle, cache: Cache::default() };
+        let split = |mut x: Vec<f64>| x.pop().map(|lambda| (x, lambda));
+        let ((x, x_lambda), (y, y_lambda)) = (split(x)?, split(y)?);
+        let gap: Vec<f64> = x.iter().zip(&y).map(|(x, y)| y - x).collect();
+        let length = inner(&curve, (&gap, y_lambda - x_lambda), (&gap, y_lambda - x_lambda)).sqrt();
+        let row = curve.dual(&gap).iter().map(|entry| entry / length).collect();
+        let border = Border { row, lambda: curve.dual_lambda() * (y_lambda - x_lambda) / length };
+        let from = correct(&curve, (x, x_lambda), &border, counts).ok()?.point;
+        let to = correct(&curve, (y, y_lambda), &border, counts).ok()?.point;
+        Some(Self { curve, from, to })
+    }
+
     /// What is looked for on a curve, besides values.
     pub fn tests(kind: Critical) -> &'static [CycleTest] {
         match kind {
@@ -218,44 +287,5 @@ impl CycleSegment {
                 CycleTest::Flip,
             ],
         }
-    }
-
-    /// The test's value at a point; not a number where it does not exist.
-    pub fn value(&self, test: CycleTest, point: &Point) -> f64 {
-        let form =
-            |part: fn(&CycleNormalForm) -> f64| self.curve.normal_form(point).map_or(f64::NAN, |form| part(&form));
-        match test {
-            CycleTest::Value(k, goal) => self.curve.coordinates(point)[k] - goal,
-            CycleTest::Degenerate if self.curve.cycle.kind == Critical::Torus => {
-                let inside = self.curve.cosine(point).is_some_and(|c| c.abs() < 1.0);
-                if inside { form(|form| form.coefficient.re) } else { f64::NAN }
-            }
-            CycleTest::Degenerate => form(|form| form.top.re),
-            CycleTest::Double => form(|form| form.bottom.re),
-            CycleTest::Cosine(goal) => self.curve.cosine(point).map_or(f64::NAN, |c| c - goal),
-            CycleTest::Fold => self.curve.fold(point).unwrap_or(f64::NAN),
-            CycleTest::Flip => self.curve.multipliers(point).map_or(f64::NAN, |nu| flip(&nu)),
-            CycleTest::Torus => self.curve.multipliers(point).map_or(f64::NAN, |nu| torus(&nu).0),
-        }
-    }
-
-    /// Where the test vanishes, if it changes sign; `Ok(None)` if it does not, or only through a pole or at a neutral
-    /// saddle.
-    pub fn locate(&self, test: CycleTest, counts: &mut Counts) -> Result<Option<Point>, Failure> {
-        let ends = (&self.from, &self.to);
-        let (a, b) = (self.value(test, &self.from), self.value(test, &self.to));
-        if !(a * b < 0.0 || b == 0.0) {
-            return Ok(None);
-        }
-        if let CycleTest::Value(1, goal) = test {
-            return Ok(Some(at_lambda(&self.curve, ends, goal, counts)?.point));
-        }
-        let found = crossing(&self.curve, ends, &|point: &Point| self.value(test, point), counts)?;
-        let small = self.value(test, &found).abs() <= SMALL * a.abs().max(b.abs());
-        let complex = test != CycleTest::Torus || {
-            let nu = self.curve.multipliers(&found)?;
-            torus(&nu).1.is_some_and(|(i, j)| nu[i].im != 0.0 && nu[i] == nu[j].conj())
-        };
-        Ok((small && complex).then_some(found))
     }
 }

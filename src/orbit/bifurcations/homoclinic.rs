@@ -1,96 +1,182 @@
-//! Where a branch of cycles ends in a homoclinic orbit.
+//! Where a branch of cycles ends in an orbit of infinite period.
 //!
-//! Near it the cycle spends most of its time beside an equilibrium, and
+//! Near it the cycle spends most of its time beside an equilibrium, and what passes there decides how the time P of a
+//! passage (half the period, where symmetry gives the other half) grows:
 //!
 //! ```text
-//! T = -ln |lambda - lambda_h| / rate + ...,      so that  dlambda/dT = -rate (lambda - lambda_h):
+//! saddle          P = -ln |lambda - lambda_h| / rate + ...,     so that  dlambda/dP = -rate (lambda - lambda_h),
+//! saddle-focus    lambda = lambda_h + exp(-rate P) (a cos(omega P) + b sin(omega P)) + ...,
+//! saddle-node     P = c |lambda - lambda_s|^(-1/2) + ...,       so that  |dlambda/dP| = (2/c) |lambda - lambda_s|^(3/2),
 //! ```
 //!
-//! a straight line in lambda whose zero is lambda_h and whose slope is the smaller one of the equilibrium's leading
-//! stable and unstable rates (Shilnikov; Kuznetsov 2004, doi:10.1007/978-1-4757-3978-7, section 6.2). dlambda/dT is
-//! known at each point from its tangent, and the rate from the equilibrium itself: two independent witnesses.
+//! rate and omega being those of the eigenvalue nearest to the imaginary axis (Shilnikov; Glendinning and Sparrow 1984,
+//! doi:10.1007/BF01010828; Kuznetsov 2004, doi:10.1007/978-1-4757-3978-7, sections 6.2 and 7.1). Two witnesses must agree:
+//! what the periods say, and the equilibrium itself with its eigenvalues, or as a fold of equilibria (SNIC).
 
+use crate::bifurcation::Fold;
 use crate::continuation::Point;
 use crate::linalg::{Lu, c64, dot, finite, pencil};
 use crate::orbit::{Collocation, Orbit};
 use crate::problem::{At, Problem};
+use faer::Mat;
+use faer::linalg::solvers::SolveLstsq;
 use serde::{Deserialize, Serialize};
 
 /// What a point of the branch says.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Passage {
     pub lambda: f64,
-    pub period: f64,
-    /// dlambda/dT along the branch.
+    /// P.
+    pub time: f64,
+    /// dlambda/dP along the branch.
     pub slope: f64,
+}
+
+/// What the orbit passes.
+#[derive(Clone, Debug)]
+pub enum Passed {
+    /// With the rate as the periods have it, and as the equilibrium has it beside which the orbit slows down, if there is
+    /// one.
+    Saddle { rate: f64, own: Option<f64> },
+    /// With the equilibrium's rate and frequency.
+    Focus { rate: f64, omega: f64 },
+    /// A fold of equilibria on the invariant circle.
+    SaddleNode(Box<Fold>),
 }
 
 /// The end of the branch.
 #[derive(Clone, Debug)]
 pub struct Homoclinic {
-    /// lambda_h, and how far the last two estimates differ.
+    /// Where the period is infinite, and how far the last two estimates differ; of a fold what rounding leaves open.
     pub lambda: f64,
     pub error: f64,
-    /// As the periods have it, and as the equilibrium beside which the orbit slows down has it, if there is one.
-    pub rates: (f64, Option<f64>),
+    pub passed: Passed,
 }
 
-/// The branch has ended when it is this near, in parts of its own extent,
+/// The branch has ended beside a saddle when it is this near, in parts of its own extent,
 const NEAR: f64 = 1e-8;
-/// and the two rates agree so well; without a rate to compare with, when lambda does not change any more while T grows.
+/// and the two rates agree so well; without a rate to compare with, when lambda does not change any more while P grows.
 const AGREEMENT: f64 = 0.05;
 const STANDSTILL: f64 = 1e-11;
+/// Beside a saddle-focus, where lambda comes and goes, when it is this near,
+const NEAR_FOCUS: f64 = 1e-5;
+/// all of the last so many points lie so well on the spiral, in parts of the largest distance among them, and that
+/// distance has shrunk so much.
+pub const KEPT: usize = 7;
+const ON_SPIRAL: f64 = 0.02;
+const SHRUNK: f64 = 0.2;
+/// Beside a saddle-node, when c is the same to this while the distance has shrunk so much, and the passage takes so much
+/// of the time.
+const SAME: f64 = 0.01;
+const CLOSER: f64 = 0.8;
+const DOMINANT: f64 = 0.5;
 /// Steps of Newton's method to the equilibrium.
 const MOST_STEPS: usize = 20;
 
 impl Passage {
     pub fn new(system: &Collocation, point: &Point) -> Self {
-        let parts = system.frame.parts as f64;
-        let part = |x: &[f64]| system.part(x) * parts;
-        Self { lambda: point.lambda, period: part(&point.x), slope: point.tangent_lambda / part(&point.tangent) }
+        let (time, rate) = (system.part(&point.x), system.part(&point.tangent));
+        Self { lambda: point.lambda, time, slope: point.tangent_lambda / rate }
     }
 }
 
 impl Homoclinic {
-    /// Whether the branch ends after these points, the last of which is `point`; `extent` is the size of lambda's range.
-    pub fn recognise(
-        [first, second, third]: [Passage; 3],
-        (system, point): (&Collocation, &Point),
-        extent: f64,
-    ) -> Option<Self> {
+    /// Whether the branch ends after these points, of which the last [`KEPT`] are looked at, and the last is `point`;
+    /// `extent` is the size of lambda's range.
+    pub fn recognise(passages: &[Passage], (system, point): (&Collocation, &Point), extent: f64) -> Option<Self> {
         // Relative orbits end at relative equilibria, which are not looked for.
         if !system.reference().drift.is_empty() {
             return None;
         }
-        let growing = first.period < second.period && second.period < third.period;
-        let estimate = |a: Passage, b: Passage| {
-            let rate = -(b.slope - a.slope) / (b.lambda - a.lambda);
-            (b.lambda + b.slope / rate, rate)
+        let last = |count: usize| {
+            let last = &passages[passages.len().checked_sub(count)?..];
+            last.windows(2).all(|pair| pair[0].time < pair[1].time).then_some(last)
         };
-        let ((before, _), (lambda, rate)) = (estimate(first, second), estimate(second, third));
-        let left = (third.lambda - lambda).abs();
-        if !(growing && rate > 0.0 && left < NEAR * extent) {
-            return None;
-        }
-        let orbit = system.orbit(&point.x);
-        let p = system.parameters(point.lambda);
-        let problem = &*system.frame.problem;
-        let own = equilibrium(problem, &slowest(&orbit), &p).and_then(|u| leading_rate(problem, &u, &p, rate));
-        let agree = own.is_some_and(|own| (own / rate - 1.0).abs() < AGREEMENT);
-        let error = (lambda - before).abs().max(left * f64::EPSILON.sqrt());
-        (agree || left < STANDSTILL * extent).then_some(Self { lambda, error, rates: (rate, own) })
+        let at = (system, point);
+        let focus = || focus(last(KEPT)?, at, extent);
+        let last = last(3)?;
+        saddle(last, at, extent).or_else(|| saddle_node(last, at)).or_else(focus)
     }
 }
 
-/// The node where the orbit moves most slowly.
-fn slowest(orbit: &Orbit) -> Vec<f64> {
+/// A straight line in lambda whose zero is lambda_h.
+fn saddle(passages: &[Passage], (system, point): (&Collocation, &Point), extent: f64) -> Option<Homoclinic> {
+    let [first, second, third] = passages else { return None };
+    let estimate = |a: &Passage, b: &Passage| {
+        let rate = -(b.slope - a.slope) / (b.lambda - a.lambda);
+        (b.lambda + b.slope / rate, rate)
+    };
+    let ((before, _), (lambda, rate)) = (estimate(first, second), estimate(second, third));
+    let left = (third.lambda - lambda).abs();
+    if !(rate > 0.0 && left < NEAR * extent) {
+        return None;
+    }
+    let own = leading(system, point, rate).map(|value| value.re);
+    let agree = own.is_some_and(|own| (own / rate - 1.0).abs() < AGREEMENT);
+    let error = (lambda - before).abs().max(left * f64::EPSILON.sqrt());
+    let passed = Passed::Saddle { rate, own };
+    (agree || left < STANDSTILL * extent).then_some(Homoclinic { lambda, error, passed })
+}
+
+/// The fold of equilibria where the orbit is slowest, if the passages grow as they do beside one.
+fn saddle_node(passages: &[Passage], (system, point): (&Collocation, &Point)) -> Option<Homoclinic> {
+    let [first, second, third] = passages else { return None };
+    // lambda_s without the fold: no such limit, no fold to look for.
+    let limit = |a: &Passage| a.lambda + 0.5 * a.slope * a.time;
+    if (limit(third) - limit(second)).abs() > DOMINANT * (third.lambda - limit(third)).abs() {
+        return None;
+    }
+    let (u, v) = slowest(&system.orbit(&point.x));
+    let (free, p) = (system.frame.free, system.parameters(limit(third)));
+    let fold = Fold::locate(&*system.frame.problem, (&u, &p), free, &v).ok()?;
+    let lambda = fold.p[free];
+    let distance = |a: &Passage| (a.lambda - lambda).abs();
+    let c = |a: &Passage| 2.0 * distance(a).powf(1.5) / a.slope.abs();
+    let towards = third.slope * (lambda - third.lambda) > 0.0;
+    let closer = distance(third) < CLOSER * distance(first);
+    let dominant = c(third) / distance(third).sqrt() > DOMINANT * third.time;
+    let same = (c(third) / c(first) - 1.0).abs() < SAME;
+    let error = fold.rounding.abs().max(4.0 * f64::EPSILON * lambda.abs());
+    let passed = Passed::SaddleNode(Box::new(fold));
+    (towards && closer && dominant && same).then_some(Homoclinic { lambda, error, passed })
+}
+
+/// lambda_h from the spiral with the equilibrium's own rate and frequency.
+fn focus(passages: &[Passage], (system, point): (&Collocation, &Point), extent: f64) -> Option<Homoclinic> {
+    let (first, last) = (passages.first()?, passages.last()?);
+    let values = |f: fn(f64, f64) -> f64| passages.iter().map(|a| a.lambda).fold(last.lambda, f);
+    if values(f64::max) - values(f64::min) > extent * NEAR_FOCUS / SHRUNK {
+        return None;
+    }
+    let value = leading(system, point, 1.0 / (last.time - first.time))?;
+    let (rate, omega) = (value.re, value.im);
+    if omega == 0.0 || (-rate * (last.time - first.time)).exp() > SHRUNK {
+        return None;
+    }
+    let fit = |passages: &[Passage]| {
+        let a = Mat::from_fn(passages.len(), 3, |i, k| {
+            let since = passages[i].time - first.time;
+            [1.0, (-rate * since).exp() * (omega * since).cos(), (-rate * since).exp() * (omega * since).sin()][k]
+        });
+        let b = Mat::from_fn(passages.len(), 1, |i, _| passages[i].lambda - last.lambda);
+        let x = a.qr().solve_lstsq(&b);
+        let off = &a * x.as_ref() - &b;
+        (last.lambda + x[(0, 0)], off.norm_max())
+    };
+    let ((before, _), (lambda, off)) = (fit(&passages[..passages.len() - 1]), fit(passages));
+    let widest = passages.iter().map(|a| (a.lambda - lambda).abs()).fold(0.0, f64::max);
+    let near = (last.lambda - lambda).abs() < NEAR_FOCUS * extent;
+    let error = (lambda - before).abs().max(off);
+    let passed = Passed::Focus { rate, omega };
+    (near && off < ON_SPIRAL * widest).then_some(Homoclinic { lambda, error, passed })
+}
+
+/// Where the orbit moves most slowly, and how.
+fn slowest(orbit: &Orbit) -> (Vec<f64>, Vec<f64>) {
     let scheme = orbit.scheme();
     let middle = |w: &[f64]| orbit.at(0.5 * (w[0] + w[1]), &scheme);
-    let speeds = orbit.mesh.windows(2).map(|w| {
-        let (u, v) = middle(w);
-        (dot(&v, &v), u)
-    });
-    speeds.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vec::new, |(_, u)| u)
+    let motions = orbit.mesh.windows(2).map(middle);
+    motions.min_by(|a, b| dot(&a.1, &a.1).total_cmp(&dot(&b.1, &b.1))).unwrap_or_default()
 }
 
 /// The equilibrium nearest to a state, by Newton's method.
@@ -113,16 +199,20 @@ fn equilibrium(problem: &dyn Problem, start: &[f64], p: &[f64]) -> Option<Vec<f6
     None
 }
 
-/// The smaller one of an equilibrium's leading stable and unstable rates; None if it is no saddle.
-fn leading_rate(problem: &dyn Problem, u: &[f64], p: &[f64], size: f64) -> Option<f64> {
+/// Minus the real part and the frequency of the eigenvalue nearest to the imaginary axis of the equilibrium beside which an
+/// orbit slows down, on whichever side; None if it is no saddle. `size` is that of its rate.
+fn leading(system: &Collocation, point: &Point, size: f64) -> Option<c64> {
+    let (problem, p) = (&*system.frame.problem, system.parameters(point.lambda));
+    let u = equilibrium(problem, &slowest(&system.orbit(&point.x)).0, &p)?;
     let rest = vec![0.0; u.len()];
-    let (gu, gv) = problem.linearised(At { u, v: &rest, p });
+    let (gu, gv) = problem.linearised(At { u: &u, v: &rest, p: &p });
     // Irrational in units of the rate, so that it is no eigenvalue itself.
     let values = pencil(gu.as_ref(), gv.as_ref(), std::f64::consts::E * size, 0).ok()?;
-    let least = |sign: f64| {
-        let real = values.iter().map(|pair: &crate::linalg::Eigenpair| sign * c64::new(pair.value.re, 0.0).re);
-        real.filter(|re| *re > 0.0).fold(f64::INFINITY, f64::min)
+    let nearest = |sign: f64| {
+        let side = values.iter().map(|pair| pair.value).filter(|value| sign * value.re > 0.0);
+        side.min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))
     };
-    let rate = least(1.0).min(least(-1.0));
-    (least(1.0).is_finite() && least(-1.0).is_finite()).then_some(rate)
+    let (stable, unstable) = (nearest(-1.0)?, nearest(1.0)?);
+    let value = if stable.re.abs() < unstable.re { stable } else { unstable };
+    Some(c64::new(value.re.abs(), value.im.abs()))
 }

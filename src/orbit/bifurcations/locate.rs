@@ -2,14 +2,18 @@
 //!
 //! Regula falsi (Illinois) on the test function brings the point near enough for Newton's method on a regular system:
 //! [`CriticalCycle`] for folds, flips and tori, [`BranchPoint`] for branch points. What converges outside the step is
-//! somebody else's point, and the bracket shrinks further.
+//! somebody else's point, and the bracket shrinks further. On relative periodic orbits regula falsi alone goes on to the end.
 
 use super::{BranchPoint, Critical, CriticalCycle, Event, Signs};
 use crate::bifurcation::Coordinate;
-use crate::continuation::{Corrected, Counts, Failure, Point, System, at_fraction, inner};
+use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, at_fraction, inner};
 use crate::linalg::Singular;
 use crate::orbit::{Collocation, Orbit, OrbitFactors};
 
+/// Steps of regula falsi or halving at most, where nothing else follows, and the value, in parts of those at the ends, at
+/// which they stop.
+const MOST_NARROWINGS: usize = 40;
+const SHARP: f64 = 1e-11;
 /// Rounds of bracketing, each followed by an attempt to converge.
 const ROUNDS: usize = 8;
 /// Steps of regula falsi in a round.
@@ -18,6 +22,9 @@ const STEPS: usize = 3;
 const NEUTRAL: usize = 3;
 /// Converged points may lie outside the step by this part of it.
 const SLACK: f64 = 1e-6;
+/// A branch point is where the branch itself turns round if there lambda stands still to this part of its rate at the
+/// ends of the step.
+const VERTICAL: f64 = 1e-6;
 /// Branch points whose unfolding is larger, in units of the state, are where two branches pass each other.
 const PERFECT: f64 = 1e-4;
 
@@ -41,6 +48,8 @@ pub struct Located {
     /// The extended system and its solution, for all but branch points.
     pub critical: Option<(CriticalCycle, Vec<f64>)>,
     pub branch: Option<BranchPoint>,
+    /// Real and imaginary part of the critical multiplier, on relative periodic orbits at tori.
+    pub pair: Option<(f64, f64)>,
 }
 
 /// The nearest multiplier of a bracketed event, where it is a pair.
@@ -62,12 +71,19 @@ impl Segment<'_> {
         Ok((signs.value(event), signs.pair))
     }
 
-    /// Where an event happens; None for a neutral saddle, or if nothing converges within the step.
+    /// Where an event happens; None for a neutral saddle, for a branch that turns round at a pitchfork, which is no fold,
+    /// or if nothing converges within the step.
     pub fn locate(&self, event: Event, counts: &mut Counts) -> Result<Option<Located>, Failure> {
+        if event == Event::Fold && self.turns_at_branch_point(counts)? {
+            return Ok(None);
+        }
         let [a, b] = self.signs.map(|signs| signs.value(event));
         let nearest = if a.abs() < b.abs() { (self.from, a, self.signs[0]) } else { (self.to, b, self.signs[1]) };
         let (best, least, pair) = (nearest.0.clone(), nearest.1.abs(), nearest.2.pair);
         let mut bracket = Bracket { low: (0.0, a), high: (1.0, b), best, least, pair };
+        if !self.system.reference().drift.is_empty() {
+            return self.sharpen(event, bracket, a.abs().max(b.abs()), counts);
+        }
         for round in 0..ROUNDS {
             for _ in 0..STEPS {
                 self.narrow(event, &mut bracket, counts)?;
@@ -85,6 +101,51 @@ impl Segment<'_> {
             }
         }
         Ok(None)
+    }
+
+    /// Whether lambda turns back at a branch point: there the determinant changes its sign too, at a fold it does not.
+    fn turns_at_branch_point(&self, counts: &mut Counts) -> Result<bool, Failure> {
+        let mut signs = self.signs.map(Clone::clone);
+        for (signs, point) in signs.iter_mut().zip([self.from, self.to]) {
+            // Folds alone are looked for without determinants.
+            if signs.branch == 0.0 {
+                let dual = self.system.dual(&point.tangent);
+                let border = Border { row: dual, lambda: self.system.dual_lambda() * point.tangent_lambda };
+                counts.factorisations += 1;
+                counts.spectra += 1;
+                let factors = self.system.factor(&point.x, point.lambda, &border)?;
+                *signs = Signs::new(point, &factors, &[Event::Branch]).map_err(|_| Singular)?;
+            }
+        }
+        if signs[0].branch * signs[1].branch > 0.0 {
+            return Ok(false);
+        }
+        let found = Segment { signs: [&signs[0], &signs[1]], ..*self }.locate(Event::Branch, counts)?;
+        let rate = self.from.tangent_lambda.abs().max(self.to.tangent_lambda.abs());
+        Ok(found.is_some_and(|found| found.point.tangent_lambda.abs() <= VERTICAL * rate))
+    }
+
+    /// On relative periodic orbits, for which there are no extended systems: regula falsi on the test function alone, whose
+    /// multipliers are those without the trivial ones.
+    fn sharpen(
+        &self,
+        event: Event,
+        mut bracket: Bracket,
+        size: f64,
+        counts: &mut Counts,
+    ) -> Result<Option<Located>, Failure> {
+        for _ in 0..MOST_NARROWINGS {
+            self.narrow(event, &mut bracket, counts)?;
+            if event != Event::Branch && bracket.least <= SHARP * size {
+                break;
+            }
+        }
+        let Bracket { best: point, least, pair, .. } = bracket;
+        // At a pole the function is not small; a real pair is a neutral saddle.
+        let zero = event == Event::Branch || least <= SHARP.sqrt() * size;
+        let found = zero && (event != Event::Torus || pair.is_some());
+        let fraction = self.fraction(&point);
+        Ok(found.then(|| Located { event, fraction, point, critical: None, branch: None, pair }))
     }
 
     /// A step of regula falsi; halving where the function is no more than a sign.
@@ -125,7 +186,7 @@ impl Segment<'_> {
                     return Err(Singular.into());
                 }
                 let (point, fraction) = (found.point.clone(), self.fraction(&found.point));
-                return Ok(Located { event, fraction, point, critical: None, branch: Some(found) });
+                return Ok(Located { event, fraction, point, critical: None, branch: Some(found), pair: None });
             }
             Event::Fold => Critical::Fold,
             Event::Flip => Critical::Flip,
@@ -143,7 +204,14 @@ impl Segment<'_> {
         let orbit = cycle.orbit(&x);
         let lambda = cycle.parameters(&x)[coordinate.index];
         let point = Point { x: Collocation::unknowns(&orbit), lambda, ..point.clone() };
-        Ok(Located { event, fraction: self.fraction(&point), point, critical: Some((cycle, x)), branch: None })
+        Ok(Located {
+            event,
+            fraction: self.fraction(&point),
+            point,
+            critical: Some((cycle, x)),
+            branch: None,
+            pair: None,
+        })
     }
 
     fn chord(&self, point: &Point) -> (f64, f64, f64) {
@@ -174,7 +242,7 @@ impl Located {
         let system = segment.system;
         counts.factorisations += 1;
         if self.branch.is_some() {
-            let border = crate::continuation::Border {
+            let border = Border {
                 row: system.dual(&self.point.tangent),
                 lambda: system.dual_lambda() * self.point.tangent_lambda,
             };

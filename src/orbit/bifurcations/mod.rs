@@ -30,7 +30,7 @@ pub use branch_point::BranchPoint;
 pub use closing::{Closed, Closing, Right, Solution};
 pub use critical::{Critical, CriticalCycle, CriticalFactors};
 pub use curve::{CycleCurve, CycleSegment, CycleTest};
-pub use homoclinic::{Homoclinic, Passage};
+pub use homoclinic::{Homoclinic, KEPT, Passage, Passed};
 pub use linear::{Field, Linear};
 pub use locate::{Located, Segment};
 pub use normal_form::CycleNormalForm;

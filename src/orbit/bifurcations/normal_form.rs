@@ -20,16 +20,20 @@
 //! ```
 //!
 //! H and K with the change of speed `a` in their derivatives, as in [`Linear::second`]. Functions v, w have mean square 1
-//! over the period, so that b, c and d are rates per amplitude of the state; v at a fold points to longer periods. For
+//! over the period, so that b, c and d are rates per amplitude of the state; v at a fold points to longer periods, or
+//! where the period stands still to a larger unknown. For
 //! w without a factor `e^{i omega tau}` the imaginary part of d is that of the literature less a omega.
 
 use super::borders::weights;
-use super::closing::{Closed, Closing, Right};
+use super::closing::{Closed, Closing, Right, Solution};
 use super::linear::Field;
 use super::place::negated;
 use super::{Critical, CriticalCycle, Place};
 use crate::linalg::{Singular, c64, dot};
 use crate::problem::Direction;
+
+/// At a fold the period stands still if it changes by no more than this for changes of the orbit, relatively.
+const STILL: f64 = 1e-8;
 
 /// The leading coefficient with its two factors, `-top / bottom`: each vanishes at points of codimension two.
 #[derive(Clone, Copy, Debug)]
@@ -80,8 +84,16 @@ fn fold(place: &Place) -> Result<CycleNormalForm, Singular> {
     let bottom = place.linear.mass(&v.u);
     let g = |r: &[f64]| place.singular(&[r]).g[0];
     let mut form = real(g(&top), g(&bottom));
-    form.coefficient *= 1.0_f64.copysign(kernel.z[0]);
+    form.coefficient *= 1.0_f64.copysign(towards(place, kernel));
     Ok(form)
+}
+
+/// What v points to more of: the period, or where that stands still an unknown.
+fn towards(place: &Place, kernel: &Solution) -> f64 {
+    let largest = |x: &[f64]| x.iter().fold(0.0, |most: f64, x| if x.abs() > most.abs() { *x } else { most });
+    let (orbit, way) = (&place.linear.orbit, largest(&kernel.nodes[0]));
+    let still = (kernel.z[0] / orbit.part).abs() <= STILL * (way / largest(&orbit.nodes)).abs();
+    if still { way } else { kernel.z[0] }
 }
 
 /// The variation (w, P') of the orbit itself with `L w + E_P P' = -r`, exactly: without the border.

@@ -17,14 +17,14 @@ use super::study::Prepared;
 use super::watch::{Watch, interrupted};
 use crate::branch::{Branch, Kind, SpecialPoint};
 use crate::continuation::{Counts, Failure, Point, Stop, Walk, at_lambda, crossing};
-use crate::orbit::bifurcations::{Amplitude, Event, Homoclinic, Passage, Segment, Signs};
+use crate::orbit::bifurcations::{Amplitude, Event, Homoclinic, KEPT, Passage, Segment, Signs};
 use crate::orbit::{Collocation, OrbitFactors};
 use crate::problem::{Problem, Reflection};
 use crate::scene;
 pub use origin::INTERVALS;
 use origin::Origin;
 use rows::Pending;
-use special::{Between, Special};
+use special::{Between, Special, endless};
 use std::time::Instant;
 use thiserror::Error;
 
@@ -156,7 +156,8 @@ impl Cycles<'_> {
         let mut behind = kept.as_mut().and_then(|kept| kept.behind.take());
         if behind.is_none() {
             let end = self.follow(&origin, Way::Down, kept.take(), tools, counts)?.describe();
-            if end.0 == Status::Interrupted {
+            // A closed branch has been followed all the way round.
+            if end.0 == Status::Interrupted || end.1 == Stop::Closed.to_string() {
                 return Ok(end);
             }
             self.turn();
@@ -263,12 +264,8 @@ impl Cycles<'_> {
                 self.pending.push(pending);
             }
             passages.push(Passage::new(&*walk.system, &step.to));
-            let recent = passages.len().saturating_sub(3);
-            passages.drain(..recent);
-            let homoclinic = match passages[..] {
-                [a, b, c] => Homoclinic::recognise([a, b, c], (&*walk.system, &step.to), high - low),
-                _ => None,
-            };
+            passages.drain(..passages.len().saturating_sub(KEPT));
+            let homoclinic = Homoclinic::recognise(&passages, (&*walk.system, &step.to), high - low);
             let ended = homoclinic.is_some() || step.stop == Some(Stop::RangeEnd);
             let special = match &homoclinic {
                 Some(end) => self.end(&*walk.system, &step.to, end, counts),
@@ -284,10 +281,7 @@ impl Cycles<'_> {
             watch.at((lambda - onset) / (goal - onset), format!("{} = {lambda:.6}", along.free));
             if let Some(end) = homoclinic {
                 self.make_rows(counts);
-                return Ok(End::Recognised(format!(
-                    "the period grows without bound: there is a homoclinic or heteroclinic orbit at {} = {}",
-                    along.free, end.lambda
-                )));
+                return Ok(End::Recognised(endless(&along.free, &end)));
             }
             if let Some(stop) = step.stop {
                 self.make_rows(counts);

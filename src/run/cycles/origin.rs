@@ -85,6 +85,8 @@ impl Cycles<'_> {
             if !(stored.orbit.part > 0.0 && stored.orbit.part.is_finite()) {
                 return Err(CyclesError::Period(from.label.clone(), stored.orbit.part));
             }
+            let reflection = self.prepared.problem.reflection().filter(|_| self.task.symmetry && !self.task.relative);
+            let stored = reflection.and_then(|symmetry| stored.halved(&symmetry)).unwrap_or(stored);
             let intervals = self.task.intervals.unwrap_or(stored.orbit.intervals());
             let stored = stored.remeshed(intervals, self.task.degree, self.points());
             return if self.task.relative { self.relative(from, stored) } else { Ok(Origin::Amid { stored }) };

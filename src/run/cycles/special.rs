@@ -3,17 +3,18 @@
 use super::super::equilibria::error;
 use super::Cycles;
 use super::quantities::measure;
+use crate::bifurcation::Fold;
 use crate::branch::Kind;
-use crate::continuation::{Border, Counts, Point, correct};
+use crate::continuation::{Border, Counts, Point, System, correct, inner};
 use crate::linalg::c64;
 use crate::orbit::bifurcations::{
-    BranchPoint, Critical, CriticalCycle, CycleNormalForm, Event, Homoclinic, Located, Segment, Signs,
+    BranchPoint, Critical, CriticalCycle, CycleNormalForm, Event, Homoclinic, Located, Passed, Segment, Signs,
 };
-use crate::orbit::{Collocation, Frame, Orbit};
-use crate::problem::{Problem, Reflection};
+use crate::orbit::{Collocation, Orbit};
+use crate::problem::Problem;
 
 /// Numbers of bifurcations of cycles, besides those that all cycles have.
-pub const VALUES: [&str; 6] = ["lpc_b", "pd_c", "bpc_c", "ns_d", "theta", "homoclinic"];
+pub const VALUES: [&str; 9] = ["lpc_b", "pd_c", "bpc_c", "ns_d", "theta", "homoclinic", "snic", "rate", "rotation"];
 
 /// What is known of a special point apart from its orbit.
 #[derive(Default)]
@@ -55,7 +56,10 @@ impl Cycles<'_> {
             let Ok(Some(located)) = segment.locate(event, counts) else { continue };
             // Factors are for multipliers only; at a branch point they may be singular.
             let factors = located.corrected(segment, counts).ok().map(|corrected| corrected.factors.into());
-            let special = self.describe(segment.system, &located, counts);
+            let mut special = self.describe(segment.system, &located, counts);
+            if !segment.system.reference().drift.is_empty() && self.task.along.errors {
+                special.errors = self.moved(segment, &located, counts).unwrap_or_default();
+            }
             let (fraction, point) = (located.fraction, located.point);
             let kind = match event {
                 Event::Fold => Kind::LPC,
@@ -86,6 +90,7 @@ impl Cycles<'_> {
                 special.errors.extend(pairs.map(|((name, a), (_, b))| ((*name).to_owned(), error(*a, b))));
             }
         }
+        special.values.extend(located.pair.map(|(re, im)| ("theta", angle(re / re.hypot(im), system.frame.parts))));
         if located.branch.is_some() && self.task.along.errors {
             let fine = self.finer_point(system, &located.point);
             let fine = fine.and_then(|(fine, near)| Some((BranchPoint::solve(&fine, &near, counts).ok()?.point, fine)));
@@ -98,6 +103,36 @@ impl Cycles<'_> {
         special
     }
 
+    /// Errors of a point of a relative branch: the same test between the same points on a finer discretisation.
+    fn moved(&self, segment: &Segment, located: &Located, counts: &mut Counts) -> Option<Vec<(String, f64)>> {
+        let (fine, from) = self.finer_point(segment.system, segment.from)?;
+        let (_, to) = self.finer_point(segment.system, segment.to)?;
+        let gap: Vec<f64> = from.x.iter().zip(&to.x).map(|(a, b)| b - a).collect();
+        let ahead = to.lambda - from.lambda;
+        let length = inner(&fine, (&gap, ahead), (&gap, ahead)).sqrt();
+        let row = fine.dual(&gap).iter().map(|entry| entry / length).collect();
+        let border = Border { row, lambda: fine.dual_lambda() * ahead / length };
+        let mut end = |point: Point| {
+            let found = correct(&fine, (point.x, point.lambda), &border, counts).ok()?;
+            let signs = Signs::new(&found.point, &found.factors, &[located.event]).ok()?;
+            Some((found.point, signs))
+        };
+        let ((from, a), (to, b)) = (end(from)?, end(to)?);
+        let segment_there = Segment { system: &fine, from: &from, to: &to, signs: [&a, &b], width: segment.width };
+        let there = segment_there.locate(located.event, counts).ok()??;
+        let values = |system: &Collocation, at: &Located| {
+            let mut values = self.columns(system, &system.orbit(&at.point.x), at.point.lambda);
+            values.extend(at.pair.map(|(re, im)| angle(re / re.hypot(im), system.frame.parts)));
+            values
+        };
+        let (here, there) = (values(segment.system, located), values(&fine, &there));
+        let measured =
+            self.columns(segment.system, &segment.system.orbit(&located.point.x), located.point.lambda).len();
+        let names = self.branch.columns.iter().take(measured).map(|column| column.name.clone());
+        let names = names.chain(["theta".to_owned()]);
+        Some(names.zip(here.iter().zip(&there).map(|(a, b)| error(*a, *b))).collect())
+    }
+
     /// The free parameter and what is measured.
     fn columns(&self, system: &Collocation, orbit: &Orbit, lambda: f64) -> Vec<f64> {
         let frame = &system.frame;
@@ -108,15 +143,7 @@ impl Cycles<'_> {
     }
 
     fn finer(&self, cycle: &CriticalCycle, x: &[f64], counts: &mut Counts) -> Option<(CriticalCycle, Vec<f64>)> {
-        let refinement = self.prepared.problem.refined();
-        let finer = match &refinement {
-            Some(finer) => {
-                let symmetry = reflection(&cycle.system.frame, &*finer.problem)?;
-                Some((finer.problem.clone(), &finer.prolong, symmetry))
-            }
-            None => None,
-        };
-        let (fine, start) = cycle.refined(x, finer);
+        let (fine, start) = cycle.refined(x, self.prepared.problem.refined().as_ref())?;
         let solution = fine.solve(start, counts).ok()?;
         Some((fine, solution))
     }
@@ -132,17 +159,23 @@ impl Cycles<'_> {
             mapped.interpolated(&orbit.mesh, orbit.degree + 1)
         };
         if let Some(finer) = &refinement {
-            frame.symmetry = reflection(&frame, &*finer.problem)?;
-            frame.problem = finer.problem.clone();
+            frame = frame.of(&finer.problem)?;
         }
         let (orbit, tangent) = (finer(&point.x), finer(&point.tangent));
         let (x, tangent) = (Collocation::unknowns(&orbit), Collocation::unknowns(&tangent));
         Some((Collocation::new(frame, &orbit), Point { x, tangent, ..point.clone() }))
     }
 
-    /// The end at a homoclinic orbit. Its error is that of the extrapolation, and by how much lambda at the last period
+    /// The end at an orbit of infinite period: where that is, and the rate at which it is come to. At a saddle-node both
+    /// follow from a fold of equilibria; else the error is that of the extrapolation, and by how much lambda at the last period
     /// differs on a finer discretisation.
     pub fn end(&self, system: &Collocation, point: &Point, end: &Homoclinic, counts: &mut Counts) -> Special {
+        if let Passed::SaddleNode(fold) = &end.passed {
+            let finer = self.task.along.errors.then(|| self.finer_fold(fold, system.frame.free));
+            let moved = finer.map(|finer| finer.map_or(f64::NAN, |lambda| (lambda - end.lambda).abs()));
+            let errors = moved.map(|moved| ("snic".to_owned(), moved.max(end.error)));
+            return Special { values: vec![("snic", end.lambda)], errors: errors.into_iter().collect(), cosine: None };
+        }
         let finer = self.task.along.errors.then(|| self.finer_point(system, point)).flatten();
         let moved = finer.and_then(|(fine, near)| {
             let mut border = Border { row: vec![0.0; near.x.len()], lambda: 0.0 };
@@ -150,9 +183,21 @@ impl Cycles<'_> {
             let found = correct(&fine, (near.x, near.lambda), &border, counts).ok()?.point;
             Some((found.lambda - point.lambda).abs())
         });
-        let values = vec![("homoclinic", end.lambda)];
+        let mut values = vec![("homoclinic", end.lambda)];
+        match end.passed {
+            Passed::Saddle { rate, .. } => values.push(("rate", rate)),
+            Passed::Focus { rate, omega } => values.extend([("rate", rate), ("rotation", omega)]),
+            Passed::SaddleNode(_) => {}
+        }
         let errors = moved.map(|moved| ("homoclinic".to_owned(), end.error.max(moved)));
         Special { values, errors: errors.into_iter().collect(), cosine: None }
+    }
+
+    /// Where a fold of equilibria is on a finer discretisation; where there is none it is where it was.
+    fn finer_fold(&self, fold: &Fold, free: usize) -> Option<f64> {
+        let Some(finer) = self.prepared.problem.refined() else { return Some(fold.p[free]) };
+        let start = ((finer.prolong)(&fold.u), (finer.prolong)(&fold.q));
+        Some(Fold::locate(&*finer.problem, (&start.0, &fold.p), free, &start.1).ok()?.p[free])
     }
 
     /// Test functions at a point of the walk; None where they do not exist or nothing is wanted.
@@ -171,8 +216,26 @@ impl Cycles<'_> {
     }
 }
 
-fn reflection(frame: &Frame, problem: &dyn Problem) -> Option<Reflection> {
-    if frame.parts == 2 { problem.reflection() } else { Some(Reflection::identity(problem.dim())) }
+/// How a branch ends at an orbit of infinite period.
+pub fn endless(name: &str, end: &Homoclinic) -> String {
+    let at = end.lambda;
+    match &end.passed {
+        Passed::Saddle { rate, own } => {
+            let own = own.map_or(String::new(), |own| format!("; the equilibrium's own is {own:.6}"));
+            format!(
+                "the period grows without bound: there is a homoclinic or heteroclinic orbit at {name} = {at}, which it grows \
+                 to as -ln|{name} - {at:.6}| over {rate:.6}{own}"
+            )
+        }
+        Passed::Focus { rate, omega } => format!(
+            "the period grows without bound: {name} turns to and fro around a homoclinic or heteroclinic orbit of a \
+             saddle-focus at {name} = {at}, as its eigenvalue ±{rate:.6} ± {omega:.6} i has it"
+        ),
+        Passed::SaddleNode(_) => format!(
+            "the period grows without bound, as |{name} - {at:.6}|^(-1/2): there is a saddle-node on the invariant circle \
+             (SNIC) at {name} = {at}"
+        ),
+    }
 }
 
 /// The coefficient of the normal form, and the angle of a critical pair over the whole period.

@@ -57,14 +57,19 @@ pub fn guessed(prepared: &Prepared, guess: &scene::Guess, free: f64) -> (Vec<f64
     let free = guess.free(&prepared.free_name).unwrap_or(free);
     let mut p = prepared.p.clone();
     p[prepared.free] = free;
-    let mut u = prepared.problem.start(&p);
+    (given(prepared, guess, &p), free)
+}
+
+/// The model's start at p but for the unknowns that are given.
+pub fn given(prepared: &Prepared, guess: &scene::Guess, p: &[f64]) -> Vec<f64> {
+    let mut u = prepared.problem.start(p);
     let names = prepared.problem.unknowns();
     for (name, value, _) in &guess.values {
         if let Some(i) = names.iter().position(|known| known == name) {
             u[i] = *value;
         }
     }
-    (u, free)
+    u
 }
 
 /// From a state at a value of the free parameter.
@@ -78,7 +83,7 @@ fn fresh(
     let logarithmic = along.logarithmic.contains(&along.free);
     let mut coordinate = Coordinate { index: prepared.free, logarithmic, width: 1.0 };
     coordinate.width = coordinate.of(along.range.to) - coordinate.of(along.range.from);
-    let mut system = system(prepared, prepared.p.clone(), coordinate);
+    let mut system = system(prepared, task, prepared.p.clone(), coordinate);
     let begin = coordinate.of(begin);
     let u = state.unwrap_or_else(|| prepared.problem.start(&system.parameters(begin)));
     system.scale_state = scale(&u);
@@ -102,7 +107,7 @@ fn stored(
     }
     let coordinate = coordinate(prepared, &task.along, (prepared.free, Some(&task.along.range)), &p)?;
     let lambda = coordinate.of(p[prepared.free]);
-    let mut system = system(prepared, p, coordinate);
+    let mut system = system(prepared, task, p, coordinate);
     // A state that is zero but for rounding says nothing of the scale.
     let known = from.arrays.get("scale").and_then(|array| array.data.first()).copied();
     system.scale_state = known.map_or(scale(&u), |known| known.max(rms(&u)));
@@ -152,8 +157,9 @@ fn through(
     Ok((point, Some(sign)))
 }
 
-fn system(prepared: &Prepared, p: Vec<f64>, coordinate: Coordinate) -> Equilibria {
-    Equilibria { problem: prepared.problem.clone(), p, coordinate, scale_state: 1.0 }
+fn system(prepared: &Prepared, task: &scene::Equilibria, p: Vec<f64>, coordinate: Coordinate) -> Equilibria {
+    let (problem, all_eigenvalues) = (prepared.problem.clone(), task.all_eigenvalues);
+    Equilibria { problem, p, coordinate, scale_state: 1.0, all_eigenvalues }
 }
 
 /// The root mean square of a state, or one where it is zero up to rounding: a branch point at zero is stored as 1e-18.

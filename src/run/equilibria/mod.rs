@@ -16,7 +16,7 @@ use crate::linalg::{c64, growth};
 use crate::problem::Problem;
 use crate::scene;
 use begin::{BeginError, begin};
-pub use begin::{Origin, guessed};
+pub use begin::{Origin, given, guessed};
 use describe::{describe, estimate, observe};
 use rayon::prelude::*;
 use std::time::Instant;

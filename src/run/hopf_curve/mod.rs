@@ -9,7 +9,7 @@ use super::outcome::{Outcome, Status, joined};
 use super::start::coordinates;
 use super::study::Prepared;
 use super::watch::{Watch, interrupted};
-use crate::bifurcation::{Coordinate, HopfCurve, Segment, Test, reverse};
+use crate::bifurcation::{Coordinate, HopfCurve, HopfSegment, Locus, Test, reverse};
 use crate::branch::{Branch, BranchKind, Column, Kind, SpecialPoint};
 use crate::continuation::{Counts, Point, StepControl, Stop, Walk};
 use crate::problem::{Problem, Refinement};
@@ -116,7 +116,7 @@ impl Curve<'_> {
         let (curve, point) = HopfCurve::start(self.prepared.problem.clone(), &hopf, coordinates, counts)?;
         let mut back = point.clone();
         reverse(&mut back);
-        let start = Segment { curve: curve.clone(), from: point.clone(), to: point.clone() };
+        let start = HopfSegment { curve: curve.clone(), from: point.clone(), to: point.clone() };
         let start = self.samples(vec![(start, point.clone(), None)]);
         // Both ways at a time, each with half of the points.
         let most = self.task.along.max_points.saturating_sub(1).div_ceil(2);
@@ -185,7 +185,7 @@ impl Curve<'_> {
             } else {
                 match walk.step() {
                     Ok(step) => {
-                        let mut segment = Segment { curve: walk.system.clone(), from: step.from, to: step.to };
+                        let mut segment = HopfSegment { curve: walk.system.clone(), from: step.from, to: step.to };
                         // The walk ends at its range, exactly.
                         let end_of_range = (step.stop == Some(Stop::RangeEnd)).then_some(segment.to.lambda);
                         let mut mark = end_of_range.map(|z| (Kind::EP, Some(Test::Value(1, z))));
@@ -230,7 +230,7 @@ impl Curve<'_> {
         }
     }
 
-    fn progress(&self, segment: &Segment, point: &Point) {
+    fn progress(&self, segment: &HopfSegment, point: &Point) {
         let (z, c) = (point.lambda, segment.curve.second);
         let (low, high) = (c.of(self.task.along.range.from), c.of(self.task.along.range.to));
         let Ok(mut covered) = self.covered.lock() else { return };
@@ -239,7 +239,7 @@ impl Curve<'_> {
     }
 
     /// What ends the curve within a step: a Bogdanov-Takens point, a bound of the first parameter.
-    fn endings(&self, segment: &Segment, bounds: Option<(f64, f64)>) -> Vec<(Test, Kind, String)> {
+    fn endings(&self, segment: &HopfSegment, bounds: Option<(f64, f64)>) -> Vec<(Test, Kind, String)> {
         let mut endings =
             vec![(Test::Frequency, Kind::BT, "the frequency vanishes at a Bogdanov-Takens point (BT)".to_owned())];
         if let Some((low, high)) = bounds {

@@ -2,7 +2,7 @@
 
 use super::Curve;
 use super::sample::{Here, Sample};
-use crate::bifurcation::{Bautin, BogdanovTakens, DoubleHopf, HopfCurve, Segment, Test, ZeroHopf};
+use crate::bifurcation::{Bautin, BogdanovTakens, DoubleHopf, HopfCurve, HopfSegment, Locus, Test, ZeroHopf};
 use crate::branch::{Array, Branch, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Counts, Point};
 use crate::problem::Problem;
@@ -144,7 +144,7 @@ impl Curve<'_> {
 }
 
 /// The normal-form coefficients that decide what unfolds at a point of codimension two, where they exist.
-fn coefficients(segment: &Segment, point: &Point, test: Test) -> BTreeMap<String, f64> {
+fn coefficients(segment: &HopfSegment, point: &Point, test: Test) -> BTreeMap<String, f64> {
     let curve = &segment.curve;
     let problem = &*curve.problem;
     let (u, p) = (&point.x[..problem.dim()], curve.parameters(point));

@@ -1,7 +1,7 @@
 //! A point of the curve with all that its row needs, and what lies between two of them.
 
 use super::Curve;
-use crate::bifurcation::{Hopf, HopfNormalForm, Segment, Test};
+use crate::bifurcation::{Hopf, HopfNormalForm, HopfSegment, Locus, Test};
 use crate::branch::Kind;
 use crate::continuation::{Counts, Point};
 use crate::linalg::c64;
@@ -14,12 +14,12 @@ const COARSE: f64 = 1e-3;
 /// What kind of special point a point is, if any, and the test that found it.
 pub(super) type Mark = Option<(Kind, Option<Test>)>;
 /// A step, the point that it reached, and what that is.
-pub(super) type Reached = (Segment, Point, Mark);
+pub(super) type Reached = (HopfSegment, Point, Mark);
 
 /// A point of the curve with all that its row needs.
 pub(super) struct Sample {
     /// The step that led here.
-    pub(super) segment: Segment,
+    pub(super) segment: HopfSegment,
     pub(super) point: Point,
     /// The parameter that is solved for, the other being held.
     pub(super) free: usize,
@@ -42,7 +42,7 @@ impl Curve<'_> {
         points.into_par_iter().map(|(segment, point, mark)| self.sample(segment, point, mark)).collect()
     }
 
-    fn sample(&self, segment: Segment, point: Point, mark: Mark) -> Sample {
+    fn sample(&self, segment: HopfSegment, point: Point, mark: Mark) -> Sample {
         let problem = &*self.prepared.problem;
         // Where the frequency or another eigenvalue vanishes neither the slope nor l1 exists.
         let degenerate = matches!(mark, Some((Kind::BT | Kind::ZH, _)));
@@ -100,7 +100,7 @@ impl Curve<'_> {
             tests.push((Kind::GH, Test::Criticality));
         }
         tests.push((Kind::ZH, Test::Steady));
-        tests.extend(Segment::crossing_pairs(&last.others, &next.others).into_iter().map(|test| (Kind::HH, test)));
+        tests.extend(HopfSegment::crossing_pairs(&last.others, &next.others).into_iter().map(|test| (Kind::HH, test)));
         let found: Vec<_> = tests
             .into_iter()
             // At the end of the curve a wanted value is that end, and at BT a real eigenvalue vanishes anyway.
@@ -111,12 +111,7 @@ impl Curve<'_> {
             })
             .collect();
         let mut samples = self.samples(found);
-        let along = |sample: &Sample| {
-            let (a, b) = (segment.curve.coordinates(&segment.from), segment.curve.coordinates(&segment.to));
-            let z = segment.curve.coordinates(&sample.point);
-            let widths = [segment.curve.first.width, segment.curve.second.width];
-            (0..2).map(|k| (z[k] - a[k]) * (b[k] - a[k]) / widths[k].powi(2)).sum::<f64>()
-        };
+        let along = |sample: &Sample| segment.along(segment.curve.coordinates(&sample.point));
         samples.sort_by(|x, y| along(x).total_cmp(&along(y)));
         samples
     }

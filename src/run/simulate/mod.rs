@@ -2,6 +2,7 @@
 
 mod cycle;
 
+use super::equilibria;
 use super::outcome::{Outcome, Status, labels};
 use super::start;
 use super::study::Prepared;
@@ -10,15 +11,17 @@ use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::Counts;
 use crate::linalg::pencil;
 use crate::problem::{At, Problem};
-use crate::scene;
-use crate::simulate::{Attractor, Control, Course, Method, Motion, Search, Settled, SimulateError, settle};
+use crate::scene::{self, Happening, Start};
+use crate::simulate::{
+    Attractor, Control, Course, Direction, Event, Method, Motion, Search, Settled, SimulateError, settle,
+};
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::time::Instant;
 use thiserror::Error;
 
 /// Quantities that special points have besides their columns.
-pub const VALUES: [&str; 5] = ["t", "period", "frequency", "rotation", "deviation"];
+pub const VALUES: [&str; 6] = ["t", "event", "period", "frequency", "rotation", "deviation"];
 
 #[derive(Debug, Error)]
 enum TaskError {
@@ -120,7 +123,8 @@ impl Simulation<'_> {
         }
         // A cycle's first node is one of its states.
         let mut u = match (&self.task.start, stored) {
-            (Some((start, _)), _) => start.clone(),
+            (Some(Start::List(start, _)), _) => start.clone(),
+            (Some(Start::Named(guess)), _) => equilibria::given(self.prepared, guess, &p),
             (None, Some((u, _))) => u[..n].to_vec(),
             (None, None) => problem.start(&p),
         };
@@ -156,6 +160,10 @@ impl Simulation<'_> {
         let samples = self.task.samples;
         let moment = |k: usize| if k == samples { to } else { from + (to - from) * k as f64 / samples as f64 };
         let (mut rows, mut stopped) = (Vec::new(), false);
+        let events: Vec<Event> = self.task.events.iter().filter_map(|event| self.event(event)).collect();
+        let parameters = |t: f64| course.parameters(t);
+        // Events by their row, and the one that ends the motion.
+        let (mut happened, mut ended): (Vec<(usize, usize, Motion)>, Option<(usize, Motion)>) = (Vec::new(), None);
         let this = &*self;
         let row = |motion: &Motion| {
             let p = course.parameters(motion.t);
@@ -171,9 +179,33 @@ impl Simulation<'_> {
             errors: self.task.along.errors,
         };
         let mut counts = self.counts;
+        let mut sampled = 0;
         let mut see = |step: &crate::simulate::Step| {
-            while rows.len() <= samples && moment(rows.len()) <= step.to.t {
-                rows.push(row(&step.at(moment(rows.len()))));
+            let within = |(k, event): (usize, &Event)| {
+                let found = event.within(&*this.prepared.problem, &parameters, step);
+                found.into_iter().map(move |motion| (k, motion)).collect::<Vec<_>>()
+            };
+            let mut found: Vec<(usize, Motion)> = events.iter().enumerate().flat_map(within).collect();
+            found.sort_by(|a, b| a.1.t.total_cmp(&b.1.t));
+            let last = found.iter().position(|(k, _)| this.task.events[*k].stop);
+            found.truncate(last.map_or(found.len(), |last| last + 1));
+            let until = if last.is_some() { found.last().map_or(step.to.t, |(_, motion)| motion.t) } else { step.to.t };
+            let mut found = found.into_iter().peekable();
+            loop {
+                let sample = (sampled <= samples && moment(sampled) <= until).then(|| moment(sampled));
+                if let Some((k, motion)) = found.next_if(|(_, motion)| sample.is_none_or(|t| motion.t < t)) {
+                    happened.push((rows.len(), k, motion.clone()));
+                    rows.push(row(&motion));
+                } else if let Some(t) = sample {
+                    rows.push(row(&step.at(t)));
+                    sampled += 1;
+                } else {
+                    break;
+                }
+            }
+            if last.is_some() {
+                ended = happened.last().map(|(_, k, motion)| (*k, motion.clone()));
+                return ControlFlow::Break(());
             }
             this.watch.at((step.to.t - from) / (to - from), format!("t = {:.6}", step.to.t));
             stopped = interrupted();
@@ -184,18 +216,24 @@ impl Simulation<'_> {
         self.counts = counts;
         // What was seen before a failure is kept.
         self.branch.rows = rows;
-        let settled = settled?;
+        for (row, k, motion) in happened {
+            let mut point = self.moment(Kind::EV, &course.parameters(motion.t), &motion);
+            point.row = row;
+            point.values.insert("event".to_owned(), (k + 1) as f64);
+            self.store(point);
+        }
+        let mut settled = settled?;
         if stopped {
             return Ok((Status::Interrupted, "interrupted".to_owned()));
         }
-        let p = course.parameters(settled.last.t);
-        let reason = self.name(&settled)?;
-        let mut end = self.point(Kind::EP, &p, &settled.last.u);
-        end.values.insert("t".to_owned(), settled.last.t);
-        for &i in &self.prepared.observables {
-            let name = self.prepared.problem.observables()[i].name.to_owned();
-            end.values.extend(self.observe(i, &settled.last, &p).map(|value| (name, value)));
+        let mut reason = self.name(&settled)?;
+        if let Some((k, motion)) = ended {
+            let Happening { of, value, .. } = &self.task.events[k];
+            reason = format!("stopped where {of} = {value}, event {}, at t = {:.9}", k + 1, motion.t);
+            settled.last = motion;
         }
+        let p = course.parameters(settled.last.t);
+        let mut end = self.moment(Kind::EP, &p, &settled.last);
         if let Attractor::Torus(ring) = &settled.attractor {
             end.values.extend([("rotation".to_owned(), ring.rotation), ("deviation".to_owned(), ring.deviation)]);
         }
@@ -278,6 +316,29 @@ impl Simulation<'_> {
             }
             Attractor::Unknown => "reached the end of the time".to_owned(),
         })
+    }
+
+    /// What is looked for along the motion.
+    fn event(&self, event: &Happening) -> Option<Event> {
+        let list = self.prepared.problem.observables();
+        let observable = list.iter().position(|known| known.name == event.of)?;
+        let direction = match event.direction {
+            "up" => Direction::Up,
+            "down" => Direction::Down,
+            _ => Direction::Any,
+        };
+        Some(Event { observable, value: event.value, direction })
+    }
+
+    /// A point of the last row, with its time and observables.
+    fn moment(&self, kind: Kind, p: &[f64], motion: &Motion) -> SpecialPoint {
+        let mut point = self.point(kind, p, &motion.u);
+        point.values.insert("t".to_owned(), motion.t);
+        for &i in &self.prepared.observables {
+            let name = self.prepared.problem.observables()[i].name.to_owned();
+            point.values.extend(self.observe(i, motion, p).map(|value| (name, value)));
+        }
+        point
     }
 
     /// A point of the last row.

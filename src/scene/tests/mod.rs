@@ -1,5 +1,6 @@
 //! Tests of whole scenes: a good one, and what is said about spoiled copies of it.
 
+mod bench;
 mod names;
 mod overrides;
 mod values;

@@ -1,0 +1,128 @@
+//! `hopfline gallery`: the page of a folder of scenes, from stored results: what each shows, a figure, its numbers with
+//! their errors, and its time.
+
+use super::summary::{Expected, Summary, with_error};
+use super::{RunError, ready};
+use crate::branch::write_atomically;
+use crate::scene::Scene;
+use std::fmt::Write;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Writes `README.md` into the folder of scenes, and one figure of each scene into `gallery` beside the results, from
+/// what runs left in `results`. Returns the page's path. Fails, and writes nothing, where a scene has no results or some
+/// of other expectations.
+pub fn gallery(folder: &Path, results: &Path) -> Result<PathBuf, RunError> {
+    let mut entries = Vec::new();
+    for path in scenes(folder)? {
+        let scene = Scene::load(&path, &[])?;
+        let stored = results.join(&scene.name);
+        let summary = Summary::load(&stored)?;
+        let promised: Vec<String> = scene.expect.iter().map(|e| format!("{}.{}", e.label, e.quantity)).collect();
+        let found: Vec<&String> = summary.expect.iter().map(|e| &e.key).collect();
+        if !found.iter().copied().eq(&promised) {
+            return Err(RunError::Input(format!(
+                "{} holds results of another version of {}, or of a part of it: run it again",
+                stored.display(),
+                path.display()
+            )));
+        }
+        entries.push((scene, summary));
+    }
+    // Read before anything is written.
+    let mut figures = Vec::new();
+    for (scene, summary) in &entries {
+        if let Some(figure) = summary.figures.first() {
+            let path = results.join(&scene.name).join("figures").join(format!("{}.svg", figure.name));
+            let svg = std::fs::read(&path)
+                .map_err(|e| RunError::Input(format!("cannot read {}: {e}; run the scene again", path.display())))?;
+            figures.push((results.join("gallery").join(format!("{}.svg", scene.name)), svg));
+        }
+    }
+    let text = page(&entries)?;
+    for (path, svg) in figures {
+        write_atomically(&path, |file| file.write_all(&svg))?;
+    }
+    let path = folder.join("README.md");
+    write_atomically(&path, |file| file.write_all(text.as_bytes()))?;
+    Ok(path)
+}
+
+/// The scene files of a folder, by name.
+fn scenes(folder: &Path) -> Result<Vec<PathBuf>, RunError> {
+    let failed = |e| RunError::Input(format!("cannot read the folder {}: {e}", folder.display()));
+    let entries = std::fs::read_dir(folder).map_err(failed)?;
+    let mut paths: Vec<PathBuf> =
+        entries.map(|entry| entry.map(|e| e.path())).collect::<Result<_, _>>().map_err(failed)?;
+    paths.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    paths.sort();
+    match paths.is_empty() {
+        true => Err(RunError::Input(format!("the folder {} holds no scenes (*.toml)", folder.display()))),
+        false => Ok(paths),
+    }
+}
+
+/// The page: a table of all scenes, then a section for each.
+fn page(entries: &[(Scene, Summary)]) -> Result<String, RunError> {
+    let mut out = "# Scenes\n\nWritten by `hopfline gallery problems` from stored results. Times are of one run on one machine, \
+                   and change; numbers\nare checked by the tests. Each scene says what it must reproduce: *off by* is the \
+                   distance from that in parts of it.\n\n| scene | shows | numbers met | largest distance | seconds |\n\
+                   |---|---|---|---|---|\n"
+        .to_owned();
+    for (scene, summary) in entries {
+        let met = summary.expect.iter().filter(|e| e.met).count();
+        let worst = summary.expect.iter().filter_map(distance).fold(0.0, f64::max);
+        let count = summary.expect.len();
+        let _ = writeln!(
+            out,
+            "| [{0}](#{0}) | {1} | {met} of {count} | {worst:.0e} | {2:.1} |",
+            scene.name, scene.title, summary.seconds
+        );
+    }
+    for (scene, summary) in entries {
+        out += &section(scene, summary)?;
+    }
+    Ok(out)
+}
+
+/// How far a number is from what was expected, in parts of that.
+fn distance(expected: &Expected) -> Option<f64> {
+    let scale = if expected.expected == 0.0 { 1.0 } else { expected.expected.abs() };
+    expected.value.map(|value| (value - expected.expected).abs() / scale)
+}
+
+/// One scene's part of the page.
+///
+/// # Errors
+/// Where the scene's file cannot be read, or names what its model does not have.
+pub fn section(scene: &Scene, summary: &Summary) -> Result<String, RunError> {
+    let text = std::fs::read_to_string(&scene.path)
+        .map_err(|e| RunError::Input(format!("cannot read {}: {e}", scene.path.display())))?;
+    let about: Vec<&str> = text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim).collect();
+    let mut out = format!("\n## {}\n\n**{}.** {}\n\n", scene.name, scene.title, about.join("\n"));
+    let ready = ready(scene, &[])?;
+    let _ = writeln!(
+        out,
+        "[`{0}.toml`]({0}.toml), {1} unknowns: {2}\n",
+        scene.name,
+        ready.study.dim(),
+        scene.tasks.iter().map(|task| format!("{} (`{}`)", task.name, task.kind.name())).collect::<Vec<_>>().join(", ")
+    );
+    if !summary.figures.is_empty() {
+        let _ = writeln!(out, "![{}](../output/gallery/{}.svg)\n", scene.title, scene.name);
+    }
+    out += "| number | found | expected | off by | source |\n|---|---|---|---|---|\n";
+    for (promised, expected) in scene.expect.iter().zip(&summary.expect) {
+        let point = summary.points.iter().find(|point| point.label == promised.label);
+        let error = point.and_then(|point| point.errors.get(&promised.quantity));
+        let found = expected.value.map_or("not found".to_owned(), |value| match error {
+            Some(_) => with_error(value, error),
+            None => format!("{value}"),
+        });
+        let off = distance(expected).map_or(String::new(), |distance| format!("{distance:.0e}"));
+        let verdict = if expected.met { "" } else { " **missed**" };
+        let _ =
+            writeln!(out, "| {} | {found} | {} | {off}{verdict} | {} |", expected.key, promised.value, promised.source);
+    }
+    Ok(out)
+}

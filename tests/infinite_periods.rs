@@ -1,0 +1,57 @@
+//! Branches that end at orbits of infinite period, by what they pass: a saddle-node whose place is exact.
+
+mod common;
+
+use common::close;
+use hopfline::run::{RunOptions, run};
+use hopfline::scene::Scene;
+use std::path::Path;
+
+/// On the unit circle theta' = (p - sin theta) (1 + k cos theta), with two equilibria for p < 1 and none beyond; for k = 0 the
+/// period is 2 pi/sqrt(p² - 1).
+fn circle(k: f64) -> String {
+    format!(
+        r#"
+[model]
+equations = """
+x' = (1 - x^2 - y^2)*x - y*w
+y' = (1 - x^2 - y^2)*y + x*w
+w = (p - y)*(1 + {k}*x)
+"""
+[model.parameters]
+p = 2
+[[task]]
+name = "motion"
+kind = "simulate"
+start = [1, 0]
+time = [0, 60]
+tolerance = 1e-8
+[[task]]
+name = "cycles"
+kind = "cycles"
+from = "motion/LC1"
+free = "p"
+range = [0.5, 2]
+tolerance = 1e-7
+"#
+    )
+}
+
+#[test]
+fn a_branch_ends_at_a_saddle_node_on_the_circle() {
+    for k in [0.0, 0.6] {
+        let scene = Scene::parse(&circle(k), Path::new("scene.toml"), &[]).unwrap();
+        let out = tempfile::tempdir().unwrap();
+        let options = RunOptions { out: out.path().to_owned(), only: Vec::new(), resume: false, quiet: true };
+        let summary = run(&scene, &options).unwrap();
+        let reason = &summary.tasks[1].reason;
+        assert!(reason.contains("SNIC") && reason.contains("^(-1/2)"), "{reason}");
+        let end = summary.points.iter().find(|point| point.label == "cycles/EP1").unwrap();
+        close("p", end.values["snic"], 1.0, 1e-12);
+        assert!(end.errors["snic"] < 1e-12, "{:?}", end.errors);
+        if k == 0.0 {
+            let p = end.parameters["p"];
+            close("T", end.values["period"], std::f64::consts::TAU / (p * p - 1.0).sqrt(), 1e-6);
+        }
+    }
+}
