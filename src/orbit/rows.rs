@@ -24,7 +24,7 @@ impl Rows<'_> {
         match (j / n, self.d) {
             (0, _) => self.c[(i, j)],
             (1, Some(d)) => d[(i, j - n)],
-            (1, None) => f64::from(u8::from(i == j - n)) * -1.0,
+            (1, None) => -f64::from(u8::from(i == j - n)),
             _ => self.e[(i, j - 2 * n)],
         }
     }

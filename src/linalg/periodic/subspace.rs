@@ -69,7 +69,7 @@ fn orthonormal(mut w: Dense) -> Option<(Dense, Dense)> {
             }
         }
         let after = dot(column, column).sqrt();
-        if !(after > DEPENDENT * before) {
+        if after.is_nan() || after <= DEPENDENT * before {
             return None;
         }
         column.iter_mut().for_each(|x| *x /= after);
