@@ -64,7 +64,8 @@ fn the_straight_state_rests_at_every_load() {
 
 #[test]
 fn both_forms_have_the_same_onset() {
-    let cases: [(&str, Load, &[(&str, f64)], f64, f64); 7] = [
+    type Case<'a> = (&'a str, Load, &'a [(&'a str, f64)], f64, f64);
+    let cases: [Case; 7] = [
         ("baseline", Load::Uniform, &[], ONSET, OMEGA),
         ("k_T = b_T = 0", Load::Uniform, &[("k_T", 0.0)], 324.648709262, 217.576764018),
         ("L = 10", Load::Uniform, &[("L", 10.0)], 426.090903937, 257.436661609),

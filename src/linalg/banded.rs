@@ -82,7 +82,7 @@ impl Banded {
 }
 
 /// Columns of right-hand sides that are solved for together.
-const LANES: usize = 32;
+pub const LANES: usize = 32;
 
 /// `P A = L U` of a band matrix.
 #[derive(Clone, Debug)]
@@ -171,52 +171,35 @@ impl BandedLu {
         }
     }
 
-    /// `A^-1 B` in place; B has n rows of `columns` entries each, row by row.
-    pub fn solve_many(&self, b: &mut [f64], columns: usize) {
-        pulp::Arch::new().dispatch(Substitution { lu: self, b, columns });
+    /// `A^-1 B` in place; B has n rows.
+    pub fn solve_strip(&self, b: &mut [[f64; LANES]]) {
+        pulp::Arch::new().dispatch(Substitution { lu: self, b });
     }
 
     #[inline(always)]
-    fn substitute(&self, b: &mut [f64], columns: usize) {
-        for k in 0..self.n {
-            let pivot = self.swaps[k];
-            if pivot != k {
-                let (head, tail) = b.split_at_mut(pivot * columns);
-                head[k * columns..(k + 1) * columns].swap_with_slice(&mut tail[..columns]);
-            }
-            let (head, tail) = b.split_at_mut((k + 1) * columns);
-            let row = &head[k * columns..];
+    fn substitute(&self, b: &mut [[f64; LANES]]) {
+        // Rows before the first that is not zero stay so, but for exchanges with later ones.
+        let zeros = b.iter().take_while(|row| row.iter().all(|&x| x == 0.0)).count();
+        for k in zeros.saturating_sub(self.lower)..self.n {
+            b.swap(k, self.swaps[k]);
+            let (head, tail) = b.split_at_mut(k + 1);
+            let row = head[k];
             let multipliers = &self.multipliers[k * self.lower..(k + 1) * self.lower];
-            for (factor, target) in multipliers.iter().zip(tail.chunks_exact_mut(columns)) {
-                if *factor != 0.0 {
-                    target.iter_mut().zip(row).for_each(|(t, r)| *t -= factor * r);
-                }
+            for (factor, target) in multipliers.iter().zip(tail) {
+                target.iter_mut().zip(&row).for_each(|(t, r)| *t = (-factor).mul_add(*r, *t));
             }
         }
         let width = self.above + 1;
         for k in (0..self.n).rev() {
-            let (head, tail) = b.split_at_mut((k + 1) * columns);
-            let target = &mut head[k * columns..];
+            let (head, tail) = b.split_at_mut(k + 1);
             let u = &self.upper[k * width..(k + 1) * width];
             let inverse = 1.0 / u[0];
-            // A few columns at a time stay in registers while the rows below pass by.
-            let mut start = 0;
-            for part in target.chunks_mut(LANES) {
-                if let Ok(part) = <&mut [f64; LANES]>::try_from(&mut *part) {
-                    let mut sum = *part;
-                    for (u, row) in u[1..].iter().zip(tail.chunks_exact(columns)) {
-                        let row = &row[start..start + LANES];
-                        sum.iter_mut().zip(row).for_each(|(s, r)| *s -= u * r);
-                    }
-                    *part = sum.map(|s| s * inverse);
-                } else {
-                    for (u, row) in u[1..].iter().zip(tail.chunks_exact(columns)) {
-                        part.iter_mut().zip(&row[start..]).for_each(|(t, r)| *t -= u * r);
-                    }
-                    part.iter_mut().for_each(|t| *t *= inverse);
-                }
-                start += LANES;
+            // The row stays in registers while those below pass by.
+            let mut sum = head[k];
+            for (u, row) in u[1..].iter().zip(&*tail) {
+                sum.iter_mut().zip(row).for_each(|(s, r)| *s = (-u).mul_add(*r, *s));
             }
+            head[k] = sum.map(|s| s * inverse);
         }
     }
 
@@ -248,8 +231,7 @@ impl BandedLu {
 /// A call of [`BandedLu::substitute`], compiled for each kind of vector unit and chosen when the program runs.
 struct Substitution<'a> {
     lu: &'a BandedLu,
-    b: &'a mut [f64],
-    columns: usize,
+    b: &'a mut [[f64; LANES]],
 }
 
 impl pulp::NullaryFnOnce for Substitution<'_> {
@@ -257,7 +239,7 @@ impl pulp::NullaryFnOnce for Substitution<'_> {
 
     #[inline(always)]
     fn call(self) {
-        self.lu.substitute(self.b, self.columns);
+        self.lu.substitute(self.b);
     }
 }
 
@@ -288,8 +270,19 @@ mod tests {
             let (Ok(banded), Ok(lu)) = (BandedLu::new(&a), Lu::new(dense.as_ref())) else { return Ok(()) };
             // Backward error of the solution, for random matrices may be close to singular.
             let b: Vec<f64> = (0..2 * n).map(|i| (i as f64).sin()).collect();
-            let mut x = b.clone();
-            banded.solve_many(&mut x, 2);
+            let mut strip: Vec<[f64; LANES]> = b.chunks(2).map(|row| std::array::from_fn(|c| row[c % 2])).collect();
+            banded.solve_strip(&mut strip);
+            let x: Vec<f64> = strip.iter().flat_map(|row| [row[LANES - 2], row[LANES - 1]]).collect();
+            // A right-hand side that begins with zeros.
+            let mut late = vec![[0.0; LANES]; n];
+            late[n - 1][0] = 1.0;
+            banded.solve_strip(&mut late);
+            let (mut unit, column): (Vec<f64>, Vec<f64>) = (vec![0.0; n], late.iter().map(|row| row[0]).collect());
+            a.times(&column, &mut unit);
+            let size = column.iter().fold(1.0_f64, |m, x| m.max(x.abs()));
+            for (i, x) in unit.iter().enumerate() {
+                prop_assert!((x - f64::from(u8::from(i + 1 == n))).abs() < 1e-12 * size);
+            }
             let mut single: Vec<f64> = b.iter().step_by(2).copied().collect();
             banded.solve(&mut single);
             let size = x.iter().fold(1.0_f64, |m, x| m.max(x.abs()));

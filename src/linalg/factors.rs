@@ -1,7 +1,7 @@
 //! LU factors of a matrix, or of a pencil at a complex point, in the form that its structure allows.
 
 use super::sparse::{self, SparseLu};
-use super::{BandedLu, Lu, Matrix, Pattern, Singular, c64};
+use super::{BandedLu, LANES, Lu, Matrix, Pattern, Singular, c64};
 use faer::Mat;
 
 /// What can be solved with.
@@ -43,11 +43,17 @@ impl Factors {
         match self {
             Factors::Dense(lu) => lu.solve_many(b.as_mut()),
             Factors::Banded(lu) => {
-                let (rows, columns) = (b.nrows(), b.ncols());
-                let mut by_rows: Vec<f64> =
-                    (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|at| b[at]).collect();
-                lu.solve_many(&mut by_rows, columns);
-                (0..columns).for_each(|j| (0..rows).for_each(|i| b[(i, j)] = by_rows[i * columns + j]));
+                let mut strip = vec![[0.0; LANES]; b.nrows()];
+                for start in (0..b.ncols()).step_by(LANES) {
+                    let columns = start..(start + LANES).min(b.ncols());
+                    for (i, row) in strip.iter_mut().enumerate() {
+                        columns.clone().zip(row).for_each(|(j, x)| *x = b[(i, j)]);
+                    }
+                    lu.solve_strip(&mut strip);
+                    for (i, row) in strip.iter().enumerate() {
+                        columns.clone().zip(row).for_each(|(j, x)| b[(i, j)] = *x);
+                    }
+                }
             }
             Factors::Sparse(made) => (0..b.ncols()).for_each(|j| made.0.solve(b.col_as_slice_mut(j))),
         }

@@ -14,7 +14,7 @@ pub mod periodic;
 mod rightmost;
 mod sparse;
 
-pub use banded::{Banded, BandedLu};
+pub use banded::{Banded, BandedLu, LANES};
 pub use bordered::{BorderedMatrix, BorderedPencil};
 pub use eigen::{Eigenpair, growth, pencil};
 pub use equilibrated::Equilibrated;

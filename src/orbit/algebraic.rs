@@ -21,9 +21,10 @@
 //! y_l = sum_i W_li (y(c_i) - L_0(c_i) y_a).
 //! ```
 
-use super::condensation::{Elimination, Reach};
+use super::elimination::Elimination;
+use super::rows::{Reach, Rows};
 use crate::linalg::{Factors, Lu, Matrix, Singular, dot};
-use faer::{Mat, MatRef};
+use faer::Mat;
 
 /// One collocation point.
 struct Point {
@@ -41,7 +42,7 @@ pub struct Algebraic {
     inner: Elimination,
     /// D of the inner interval's `C x_a + D x_b + E z`.
     end: Lu<f64>,
-    /// Of all unknowns, x_b and y_b in minus one times them.
+    /// `[C E]` of the remaining rows, D being -1.
     remaining: Mat<f64>,
     /// Values of Lagrange polynomials 0 ... m at the points, and W.
     value: Vec<Vec<f64>>,
@@ -110,19 +111,18 @@ impl Algebraic {
         }
         let inner = Elimination::new(inside, right, nx)?;
         let rows = inner.remaining();
-        let end = Lu::new(rows.subcols(nx, nx))?;
+        let end = Lu::new(rows.d.ok_or(Singular)?)?;
         // x_b = rho - [C E] (x_a, z), and y_b from it.
-        let mut reach = Mat::from_fn(nx, nx + count, |i, j| if j < nx { rows[(i, j)] } else { rows[(i, nx + j)] });
+        let mut reach = Mat::from_fn(nx, nx + count, |i, j| if j < nx { rows.c[(i, j)] } else { rows.e[(i, j - nx)] });
         end.solve_many(reach.as_mut());
         let images = &points[m - 1].images;
         let mut reach_still = images.as_ref().subcols(0, nx) * &reach;
         (0..count).for_each(|s| (0..still.len()).for_each(|k| reach_still[(k, nx + s)] -= images[(k, nx + s)]));
-        let mut remaining = Mat::zeros(n, 2 * n + count);
+        let mut remaining = Mat::zeros(n, n + count);
         for (places, rows, sign) in [(&moving, &reach, -1.0), (&still, &reach_still, 1.0)] {
             for (k, &row) in places.iter().enumerate() {
-                remaining[(row, n + row)] = -1.0;
                 (0..nx).for_each(|j| remaining[(row, moving[j])] = sign * rows[(k, j)]);
-                (0..count).for_each(|s| remaining[(row, 2 * n + s)] = sign * rows[(k, nx + s)]);
+                (0..count).for_each(|s| remaining[(row, n + s)] = sign * rows[(k, nx + s)]);
             }
         }
         let mut inverse = Mat::identity(m, m);
@@ -139,8 +139,9 @@ impl Algebraic {
         (self.points.len() - 1) * self.n()
     }
 
-    pub fn remaining(&self) -> MatRef<'_, f64> {
-        self.remaining.as_ref()
+    pub fn remaining(&self) -> Rows<'_> {
+        let (c, e) = self.remaining.as_ref().split_at_col(self.n());
+        Rows { c, d: None, e }
     }
 
     /// `row` covers the nodes 1 ... m-1.
@@ -279,11 +280,11 @@ mod tests {
         let mut border = [0.0];
         let (forwarded, mut b) = condensed.forward(r, &mut border);
         let rows = condensed.transition();
-        for i in 0..n {
-            b[i] -= (0..n).map(|j| rows[(i, j)] * a[j]).sum::<f64>();
-            b[i] -= z.iter().enumerate().map(|(s, z)| rows[(i, 2 * n + s)] * z).sum::<f64>();
+        for (i, b) in b.iter_mut().enumerate() {
+            *b -= (0..n).map(|j| rows.at(i, j) * a[j]).sum::<f64>();
+            *b -= z.iter().enumerate().map(|(s, z)| rows.at(i, 2 * n + s) * z).sum::<f64>();
         }
-        Lu::new(rows.subcols(n, n)).expect("an end").solve(&mut b);
+        Lu::new(Mat::from_fn(n, n, |i, j| rows.at(i, n + j)).as_ref()).expect("an end").solve(&mut b);
         let nodes = condensed.back(forwarded, a, &b, z)[n..].to_vec();
         let through = dot(&reach.a, a) + dot(&reach.b, &b) + dot(&reach.z, z) - border[0];
         (b, nodes, through)

@@ -7,9 +7,9 @@
 //! with unknowns and equations ordered by component first and by node or collocation point second, so that K has
 //! about m times the band of G_u. What is left for the ends is `[K^-1 A]_b x_a + x_b + [K^-1 E]_b z = [K^-1 r]_b`.
 
-use super::condensation::Reach;
-use crate::linalg::{Banded, BandedLu, Singular};
-use faer::{Mat, MatRef};
+use super::rows::{Reach, Rows};
+use crate::linalg::{Banded, BandedLu, LANES, Singular};
+use faer::Mat;
 
 /// The interval's equations, factored.
 pub struct Band {
@@ -19,7 +19,7 @@ pub struct Band {
     /// E, in the order of equations, as many entries a row as z has.
     scalars: Vec<f64>,
     count: usize,
-    /// `[-C  -1  -e]`, n rows: with this sign a joint of two intervals need not move rows.
+    /// `[C E]` of the remaining rows, D being -1: with this sign a joint of two intervals need not move rows.
     remaining: Mat<f64>,
     /// For each border, its entries on x_1 ... x_{m-1} times K^-1.
     borders: Vec<Vec<f64>>,
@@ -57,25 +57,30 @@ impl Band {
         }
         let k = BandedLu::new(&k)?;
         let count = scalars.first().map_or(0, |rows| rows.len() / n);
-        let width = n + count;
-        let mut right = vec![0.0; m * n * width];
         let mut ordered = vec![0.0; count * m * n];
-        for row in 0..n {
-            for i in 0..m {
-                let at = row * m + i;
-                let target = &mut right[at * width..(at + 1) * width];
-                target[first[i].columns(row)].copy_from_slice(first[i].row(row));
-                let here = &scalars[i][count * row..count * (row + 1)];
-                target[n..].copy_from_slice(here);
-                ordered[count * at..count * (at + 1)].copy_from_slice(here);
-            }
+        for (at, target) in ordered.chunks_mut(count).enumerate() {
+            target.copy_from_slice(&scalars[at % m][count * (at / m)..][..count]);
         }
-        k.solve_many(&mut right, width);
-        let mut remaining = Mat::zeros(n, 2 * n + count);
-        for row in 0..n {
-            let solved = &right[(row * m + m - 1) * width..][..width];
-            solved.iter().enumerate().for_each(|(j, x)| remaining[(row, if j < n { j } else { n + j })] = -x);
-            remaining[(row, n + row)] = -1.0;
+        // In strips of columns, which stay in the cache while they are solved for.
+        let mut remaining = Mat::zeros(n, n + count);
+        let mut strip = vec![[0.0; LANES]; m * n];
+        for start in (0..n + count).step_by(LANES) {
+            let end = (start + LANES).min(n + count);
+            strip.fill([0.0; LANES]);
+            for (at, target) in strip.iter_mut().enumerate() {
+                let (row, first) = (at / m, &first[at % m]);
+                let columns = first.columns(row);
+                for column in columns.start.max(start)..columns.end.min(end) {
+                    target[column - start] = first.row(row)[column - columns.start];
+                }
+                for column in start.max(n)..end {
+                    target[column - start] = ordered[count * at + column - n];
+                }
+            }
+            k.solve_strip(&mut strip);
+            for (row, solved) in strip[m - 1..].iter().step_by(m).enumerate() {
+                (start..end).for_each(|column| remaining[(row, column)] = -solved[column - start]);
+            }
         }
         Ok(Self { k, first, scalars: ordered, count, remaining, borders: Vec::new(), n, m })
     }
@@ -84,8 +89,9 @@ impl Band {
         (self.m - 1) * self.n
     }
 
-    pub fn remaining(&self) -> MatRef<'_, f64> {
-        self.remaining.as_ref()
+    pub fn remaining(&self) -> Rows<'_> {
+        let (c, e) = self.remaining.as_ref().split_at_col(self.n);
+        Rows { c, d: None, e }
     }
 
     /// From the order of points and components to that of components and points.

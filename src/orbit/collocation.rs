@@ -20,14 +20,15 @@
 //! multiples of 2 pi / P, turns of the frame that the orbit does not see. K is the number of velocities that the orbit
 //! comes with: none, or one for each of the problem's rotations.
 
-use super::condensation::{Condensed, Forwarded, Interval, Reach};
+use super::condensation::{Condensed, Forwarded, Interval};
+use super::rows::Reach;
 use super::shape::add_drift;
 use super::turning::turned;
-use super::{FloquetError, Multipliers, Orbit, Points, Scheme, Transitions, adapted, multipliers};
+use super::{FloquetError, Multipliers, Orbit, Points, Rows, Scheme, Transitions, adapted, multipliers};
 use crate::continuation::{Border, Factored, Point, System, inner};
 use crate::linalg::{Equilibrated, Matrix, Singular};
 use crate::problem::{At, Direction, Problem, Reflection, Rotation};
-use faer::{Mat, MatRef};
+use faer::Mat;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -369,10 +370,10 @@ impl OrbitFactors {
         let rows = condensed.transition();
         for i in 0..n {
             for j in 0..n {
-                ends[(i, j)] += rows[(i, j)];
-                ends[(i, frame.symmetry.source[j])] += rows[(i, n + j)] * frame.symmetry.sign[j];
+                ends[(i, j)] += rows.at(i, j);
+                ends[(i, frame.symmetry.source[j])] += rows.at(i, n + j) * frame.symmetry.sign[j];
             }
-            (0..count).for_each(|s| ends[(i, n + s)] = rows[(i, 2 * n + s)]);
+            (0..count).for_each(|s| ends[(i, n + s)] = rows.at(i, 2 * n + s));
         }
         for (k, Reach { a, b, z }) in reaches.iter().enumerate() {
             let mut row = a.clone();
@@ -403,19 +404,20 @@ impl OrbitFactors {
         &self.symmetry
     }
 
-    /// Floquet multipliers over the computed part of the period: all.
+    /// Floquet multipliers over the computed part of the period: all that decide on bifurcations, as described at
+    /// [`multipliers`].
     pub fn part_multipliers(&self) -> Result<Multipliers, FloquetError> {
-        multipliers(&self.transitions()?, (&self.symmetry, 1), 1 + self.drifts, None)
+        multipliers(&self.transitions()?, (&self.symmetry, 1), 1 + self.drifts, Some(0))
     }
 
-    /// The condensed rows `[C D E]` that couple the orbit's ends.
-    pub fn transition(&self) -> MatRef<'_, f64> {
+    /// The condensed rows that couple the orbit's ends.
+    pub fn transition(&self) -> Rows<'_> {
         self.condensed.transition()
     }
 
     /// The intervals' transition maps along the computed part of the period.
     pub fn transitions(&self) -> Result<Transitions<'_>, Singular> {
-        Transitions::new(&self.condensed.intervals())
+        Ok(Transitions::new(&self.condensed.intervals())?.with(self.condensed.transition()))
     }
 }
 

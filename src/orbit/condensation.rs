@@ -14,153 +14,14 @@
 
 use super::algebraic::Algebraic;
 use super::band::Band;
+use super::elimination::Elimination;
+use super::joint::Joint;
+use super::rows::{Reach, Rows};
 use crate::linalg::{Matrix, Singular};
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
-use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
-
-/// What a border row multiplies after elimination: `x_a`, `x_b` and `z`.
-#[derive(Clone, Debug)]
-pub struct Reach {
-    pub a: Vec<f64>,
-    pub b: Vec<f64>,
-    pub z: Vec<f64>,
-}
-
-/// Entries up to this size are taken as multipliers without exchanging rows: each joint then magnifies rounding errors
-/// by no more than that, and there are log2(intervals) of them above each other.
-const GROWTH: f64 = 8.0;
+use faer::Mat;
 
 /// Joints of fewer unknowns are made on one thread.
 const WORTH_SHARING: usize = 16;
-
-/// A tall block `[inside | right]` after elimination of its inside columns.
-pub struct Elimination {
-    /// L below the diagonal, U on and above it.
-    factors: Mat<f64>,
-    order: Vec<usize>,
-    /// Rows of the right part: on top what gives the inside, below the n remaining rows `[C D E]`.
-    right: Mat<f64>,
-    /// For each border, its entries on the inside times U^-1.
-    borders: Vec<Vec<f64>>,
-    n: usize,
-}
-
-impl Elimination {
-    /// Eliminates the columns of `inside`; `right` has columns `[x_a (n), x_b (n), z]`.
-    pub fn new(mut inside: Mat<f64>, right: Mat<f64>, n: usize) -> Result<Self, Singular> {
-        let (rows, columns) = (inside.nrows(), inside.ncols());
-        let (mut order, mut inverse) = (vec![0_usize; rows], vec![0_usize; rows]);
-        let mut memory = MemBuffer::new(lu_in_place_scratch::<usize, f64>(rows, columns, Par::Seq, Default::default()));
-        lu_in_place(
-            inside.as_mut(),
-            &mut order,
-            &mut inverse,
-            Par::Seq,
-            MemStack::new(&mut memory),
-            Default::default(),
-        );
-        if (0..columns).any(|i| !inside[(i, i)].is_finite() || inside[(i, i)] == 0.0) {
-            return Err(Singular);
-        }
-        let mut right = Mat::from_fn(rows, right.ncols(), |i, j| right[(order[i], j)]);
-        let (mut top, bottom) = right.as_mut().split_at_row_mut(columns);
-        inside.as_ref().subrows(0, columns).solve_unit_lower_triangular_in_place(top.as_mut());
-        matmul(bottom, Accum::Add, inside.as_ref().subrows(columns, n), top.as_ref(), -1.0, Par::Seq);
-        Ok(Self { factors: inside, order, right, borders: Vec::new(), n })
-    }
-
-    /// Eliminates the point between two spans:
-    ///
-    /// ```text
-    /// C_l x_a + D_l x_m + E_l z = r_l,      C_r x_m + D_r x_b + E_r z = r_r.
-    /// ```
-    ///
-    /// Where D_l = -1 and no entry of C_r is large, partial pivoting would (nearly) keep the rows as they are: then
-    /// factors are known, and only the product C_r C_l is left to do.
-    fn joint(l: MatRef<'_, f64>, r: MatRef<'_, f64>, n: usize) -> Result<Self, Singular> {
-        let inside = Mat::from_fn(2 * n, n, |i, j| if i < n { l[(i, n + j)] } else { r[(i - n, j)] });
-        let mut right = Mat::from_fn(2 * n, l.ncols(), |i, j| match (i < n, j < n, j < 2 * n) {
-            (true, true, _) => l[(i, j)],
-            (true, false, true) | (false, true, _) => 0.0,
-            (true, false, false) => l[(i, j)],
-            (false, _, _) => r[(i - n, j)],
-        });
-        let negated = (0..n).all(|j| (0..n).all(|i| inside[(i, j)] == if i == j { -1.0 } else { 0.0 }));
-        if !negated || r.subcols(0, n).norm_max() > GROWTH {
-            return Self::new(inside, right, n);
-        }
-        let mut factors = inside;
-        factors.as_mut().subrows_mut(n, n).copy_from(faer::Scale(-1.0) * r.subcols(0, n));
-        let (top, mut bottom) = right.as_mut().split_at_row_mut(n);
-        let multipliers = factors.as_ref().subrows(n, n);
-        for (start, count) in [(0, n), (2 * n, l.ncols() - 2 * n)] {
-            let part = top.as_ref().subcols(start, count);
-            matmul(bottom.as_mut().subcols_mut(start, count), Accum::Add, multipliers, part, -1.0, Par::Seq);
-        }
-        Ok(Self { factors, order: (0..2 * n).collect(), right, borders: Vec::new(), n })
-    }
-
-    fn inside(&self) -> usize {
-        self.factors.ncols()
-    }
-
-    /// The remaining rows `[C D E]`.
-    pub fn remaining(&self) -> MatRef<'_, f64> {
-        self.right.as_ref().subrows(self.inside(), self.n)
-    }
-
-    fn upper(&self) -> MatRef<'_, f64> {
-        self.factors.as_ref().subrows(0, self.inside())
-    }
-
-    /// Eliminates a border row's entries on the inside; the change of its entries elsewhere.
-    pub(super) fn add_border(&mut self, mut row: Vec<f64>) -> Reach {
-        let n = self.n;
-        let columns = self.inside();
-        let view = faer::MatMut::from_column_major_slice_mut(&mut row, columns, 1);
-        self.upper().transpose().solve_lower_triangular_in_place(view);
-        let top = self.right.as_ref().subrows(0, columns);
-        let change: Vec<f64> =
-            (0..top.ncols()).map(|j| -(0..columns).map(|i| row[i] * top[(i, j)]).sum::<f64>()).collect();
-        self.borders.push(row);
-        Reach { a: change[..n].to_vec(), b: change[n..2 * n].to_vec(), z: change[2 * n..].to_vec() }
-    }
-
-    /// Applies the elimination to a right-hand side: the upper part, and the n remaining entries; `border` collects
-    /// what the borders' right-hand sides lose.
-    pub(super) fn forward(&self, r: &[f64], border: &mut [f64]) -> (Vec<f64>, Vec<f64>) {
-        let columns = self.inside();
-        let mut top: Vec<f64> = self.order[..columns].iter().map(|&i| r[i]).collect();
-        let mut bottom: Vec<f64> = self.order[columns..].iter().map(|&i| r[i]).collect();
-        let view = faer::MatMut::from_column_major_slice_mut(&mut top, columns, 1);
-        self.factors.as_ref().subrows(0, columns).solve_unit_lower_triangular_in_place(view);
-        subtract_product(self.factors.as_ref().subrows(columns, self.n), &top, &mut bottom);
-        for (border, row) in border.iter_mut().zip(&self.borders) {
-            *border -= crate::linalg::dot(row, &top);
-        }
-        (top, bottom)
-    }
-
-    /// The inside from the ends and z.
-    pub(super) fn back(&self, mut top: Vec<f64>, a: &[f64], b: &[f64], z: &[f64]) -> Vec<f64> {
-        let columns = self.inside();
-        let outer: Vec<f64> = a.iter().chain(b).chain(z).copied().collect();
-        subtract_product(self.right.as_ref().subrows(0, columns), &outer, &mut top);
-        let view = faer::MatMut::from_column_major_slice_mut(&mut top, columns, 1);
-        self.upper().solve_upper_triangular_in_place(view);
-        top
-    }
-}
-
-/// `y -= A x`.
-fn subtract_product(a: MatRef<'_, f64>, x: &[f64], y: &mut [f64]) {
-    let rows = y.len();
-    let x = MatRef::from_column_major_slice(x, x.len(), 1);
-    let y = faer::MatMut::from_column_major_slice_mut(y, rows, 1);
-    matmul(y, Accum::Add, a, x, -1.0, Par::Seq);
-}
 
 /// One interval's equations, factored.
 pub enum Interval {
@@ -224,8 +85,7 @@ impl Interval {
         }
     }
 
-    /// `[C D E]`.
-    fn remaining(&self) -> MatRef<'_, f64> {
+    fn remaining(&self) -> Rows<'_> {
         match self {
             Interval::Dense(elimination) => elimination.remaining(),
             Interval::Banded(band) => band.remaining(),
@@ -261,7 +121,7 @@ impl Interval {
 /// Neighbouring intervals as one span.
 enum Span {
     Interval(Interval),
-    Joined { left: Box<Span>, right: Box<Span>, joint: Elimination },
+    Joined { left: Box<Span>, right: Box<Span>, joint: Joint },
 }
 
 /// A right-hand side on its way through the tree.
@@ -281,23 +141,24 @@ impl Span {
         } else {
             rayon::join(|| Self::join(intervals, n), || Self::join(tail, n))
         };
-        let (left, right) = (left?, right?);
-        let joint = Elimination::joint(left.remaining(), right.remaining(), n)?;
-        let (mut left, mut right) = (left, right);
-        left.shrink();
-        right.shrink();
+        let (mut left, mut right) = (left?, right?);
+        let joint = Joint::new(left.remaining(), right.remaining())?;
+        if let Joint::Pivoted(_) = joint {
+            left.shrink();
+            right.shrink();
+        }
         Ok(Span::Joined { left: Box::new(left), right: Box::new(right), joint })
     }
 
-    /// Forgets the rows that couple the ends of a span of several intervals, which its joint with another has taken over.
+    /// Forgets the rows that couple the ends of a span of several intervals.
     fn shrink(&mut self) {
         if let Span::Joined { joint, .. } = self {
-            joint.right = joint.right.as_ref().subrows(0, joint.inside()).to_owned();
+            joint.shrink();
         }
     }
 
-    /// The rows `[C D E]` that couple the span's ends.
-    fn remaining(&self) -> MatRef<'_, f64> {
+    /// The rows that couple the span's ends.
+    fn remaining(&self) -> Rows<'_> {
         match self {
             Span::Interval(interval) => interval.remaining(),
             Span::Joined { joint, .. } => joint.remaining(),
@@ -305,7 +166,7 @@ impl Span {
     }
 
     /// Appends the remaining rows of the span's intervals in order.
-    fn intervals<'a>(&'a self, out: &mut Vec<MatRef<'a, f64>>) {
+    fn intervals<'a>(&'a self, out: &mut Vec<Rows<'a>>) {
         match self {
             Span::Interval(elimination) => out.push(elimination.remaining()),
             Span::Joined { left, right, .. } => {
@@ -327,7 +188,10 @@ impl Span {
                 let (row_left, row_right) = row.split_at(left.nodes(n) * n);
                 let (l, r) = (left.add_border(row_left, n), right.add_border(row_right, n));
                 let middle = l.b.iter().zip(&r.a).map(|(x, y)| x + y).collect();
-                let mut reach = joint.add_border(middle);
+                let mut reach = match joint {
+                    Joint::Direct(direct) => direct.add_border(left.remaining(), middle),
+                    Joint::Pivoted(elimination) => elimination.add_border(middle),
+                };
                 reach.a.iter_mut().zip(&l.a).for_each(|(x, y)| *x += y);
                 reach.b.iter_mut().zip(&r.b).for_each(|(x, y)| *x += y);
                 reach.z.iter_mut().zip(l.z.iter().zip(&r.z)).for_each(|(x, (l, r))| *x = *x + l + r);
@@ -353,10 +217,12 @@ impl Span {
             }
             Span::Joined { left, right, joint } => {
                 let (r_left, r_right) = r.split_at(left.nodes(n) * n);
-                let (carried_left, mut rows) = left.forward(r_left, border, n);
+                let (carried_left, above) = left.forward(r_left, border, n);
                 let (carried_right, below) = right.forward(r_right, border, n);
-                rows.extend(below);
-                let (top, bottom) = joint.forward(&rows, border);
+                let (top, bottom) = match joint {
+                    Joint::Direct(direct) => direct.forward(right.remaining(), above, below, border),
+                    Joint::Pivoted(elimination) => elimination.forward(&[above, below].concat(), border),
+                };
                 (Carried::Joined(Box::new(carried_left), Box::new(carried_right), top), bottom)
             }
         }
@@ -370,7 +236,10 @@ impl Span {
                 out.extend(interval.back(top, a, b, z));
             }
             (Span::Joined { left, right, joint }, Carried::Joined(carried_left, carried_right, top)) => {
-                let middle = joint.back(top, a, b, z);
+                let middle = match joint {
+                    Joint::Direct(direct) => direct.back(left.remaining(), &top, a, z),
+                    Joint::Pivoted(elimination) => elimination.back(top, a, b, z),
+                };
                 left.back(*carried_left, a, &middle, z, out);
                 right.back(*carried_right, &middle, b, z, out);
             }
@@ -391,13 +260,13 @@ impl Condensed {
         Ok(Self { root: Span::join(intervals, n)?, n })
     }
 
-    /// `[C D E]`.
-    pub fn transition(&self) -> MatRef<'_, f64> {
+    /// The rows that couple the orbit's ends.
+    pub fn transition(&self) -> Rows<'_> {
         self.root.remaining()
     }
 
-    /// `[C D E]` of each interval in order.
-    pub fn intervals(&self) -> Vec<MatRef<'_, f64>> {
+    /// Those of each interval in order.
+    pub fn intervals(&self) -> Vec<Rows<'_>> {
         let mut out = Vec::new();
         self.root.intervals(&mut out);
         out

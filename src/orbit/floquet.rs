@@ -11,10 +11,12 @@
 //! the largest distance of these from 1 bounds from below how wrong the others are (on
 //! an even mesh it can be far smaller than the orbit's own error, which refinement tells).
 
+use super::Rows;
 use crate::linalg::periodic::{self, Eigenvalue, PeriodicError, Product};
 use crate::linalg::{Lu, Singular, c64};
 use crate::problem::Reflection;
 use faer::linalg::matmul::matmul;
+use faer::reborrow::ReborrowMut;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
 use thiserror::Error;
@@ -72,7 +74,11 @@ impl Multipliers {
 }
 
 /// The maps `x_{j+1} = -D_j^-1 C_j x_j` of the intervals in order.
-pub struct Transitions<'a>(Vec<Transition<'a>>);
+pub struct Transitions<'a> {
+    maps: Vec<Transition<'a>>,
+    /// Their product.
+    formed: Option<MatRef<'a, f64>>,
+}
 
 struct Transition<'a> {
     c: MatRef<'a, f64>,
@@ -81,40 +87,38 @@ struct Transition<'a> {
 }
 
 impl<'a> Transitions<'a> {
-    /// From each interval's condensed rows `[C D ..]`.
-    pub fn new(intervals: &[MatRef<'a, f64>]) -> Result<Self, Singular> {
-        let one = |rows: &MatRef<'a, f64>| {
-            let n = rows.nrows();
-            let (c, d) = (rows.subcols(0, n), rows.subcols(n, n));
-            let negated = (0..n).all(|j| (0..n).all(|i| d[(i, j)] == if i == j { -1.0 } else { 0.0 }));
-            Ok(Transition { c, d: if negated { None } else { Some(Lu::new(d)?) } })
-        };
-        Ok(Self(intervals.par_iter().map(one).collect::<Result<_, _>>()?))
+    /// From each interval's condensed rows.
+    pub fn new(intervals: &[Rows<'a>]) -> Result<Self, Singular> {
+        let one = |&Rows { c, d, .. }: &Rows<'a>| Ok(Transition { c, d: d.map(Lu::new).transpose()? });
+        Ok(Self { maps: intervals.par_iter().map(one).collect::<Result<_, _>>()?, formed: None })
+    }
+
+    /// With what was found for all of them together: their product, if condensation formed it.
+    pub fn with(self, whole: Rows<'a>) -> Self {
+        Self { formed: whole.d.is_none().then_some(whole.c), ..self }
     }
 }
 
 impl Product for Transitions<'_> {
     fn dim(&self) -> usize {
-        self.0.first().map_or(0, |transition| transition.c.nrows())
+        self.maps.first().map_or(0, |transition| transition.c.nrows())
     }
 
     fn factors(&self) -> usize {
-        self.0.len()
+        self.maps.len()
     }
 
-    fn apply(&self, j: usize, x: &[f64], y: &mut [f64]) {
-        let Transition { c, d } = &self.0[j];
-        let x = MatRef::from_column_major_slice(x, x.len(), 1);
-        let rows = y.len();
+    fn apply(&self, j: usize, x: MatRef<'_, f64>, mut y: MatMut<'_, f64>) {
+        let Transition { c, d } = &self.maps[j];
         let sign = if d.is_some() { -1.0 } else { 1.0 };
-        matmul(MatMut::from_column_major_slice_mut(y, rows, 1), Accum::Replace, *c, x, sign, Par::Seq);
+        matmul(y.rb_mut(), Accum::Replace, *c, x, sign, Par::Seq);
         if let Some(d) = d {
-            d.solve(y);
+            d.solve_many(y);
         }
     }
 
     fn matrix(&self, j: usize) -> Mat<f64> {
-        let Transition { c, d } = &self.0[j];
+        let Transition { c, d } = &self.maps[j];
         match d {
             Some(d) => {
                 let mut a = -*c;
@@ -123,6 +127,10 @@ impl Product for Transitions<'_> {
             }
             None => c.to_owned(),
         }
+    }
+
+    fn formed(&self) -> Option<Mat<f64>> {
+        self.formed.map(|c| c.to_owned())
     }
 }
 
@@ -136,6 +144,15 @@ impl Turned<'_> {
     fn is_last(&self, j: usize) -> bool {
         j + 1 == self.factors()
     }
+
+    fn turned(&self, a: MatRef<'_, f64>, mut out: MatMut<'_, f64>) {
+        out.fill(0.0);
+        for (i, (&source, &sign)) in self.symmetry.source.iter().zip(&self.symmetry.sign).enumerate() {
+            for k in 0..a.ncols() {
+                out[(source, k)] += sign * a[(i, k)];
+            }
+        }
+    }
 }
 
 impl Product for Turned<'_> {
@@ -147,12 +164,11 @@ impl Product for Turned<'_> {
         self.transitions.factors()
     }
 
-    fn apply(&self, j: usize, x: &[f64], y: &mut [f64]) {
-        self.transitions.apply(j, x, y);
+    fn apply(&self, j: usize, x: MatRef<'_, f64>, mut y: MatMut<'_, f64>) {
+        self.transitions.apply(j, x, y.rb_mut());
         if self.is_last(j) {
-            let image = y.to_vec();
-            y.fill(0.0);
-            self.symmetry.add_transposed(&image, y);
+            let image = y.to_owned();
+            self.turned(image.as_ref(), y);
         }
     }
 
@@ -162,20 +178,27 @@ impl Product for Turned<'_> {
             return a;
         }
         let mut turned = Mat::zeros(a.nrows(), a.ncols());
-        for k in 0..a.ncols() {
-            self.symmetry.add_transposed(a.col_as_slice(k), turned.col_as_slice_mut(k));
-        }
+        self.turned(a.as_ref(), turned.as_mut());
         turned
+    }
+
+    fn formed(&self) -> Option<Mat<f64>> {
+        let formed = self.transitions.formed()?;
+        let mut turned = Mat::zeros(formed.nrows(), formed.ncols());
+        self.turned(formed.as_ref(), turned.as_mut());
+        Some(turned)
     }
 }
 
 /// Where the smallest multiplier found is smaller than this, the trivial one and all unstable ones are among those
-/// found.
+/// found; where its product with the largest is, every pair with a product of one or more is as well.
 const INSIDE: f64 = 0.9;
+/// At least so many are sought at first.
+const FEW: usize = 4;
 
 /// Multipliers from the transition maps along the computed part of the period, of which there are `parts` (1 or 2) in
 /// the whole one: all of them, or of those largest in modulus at least `wanted` and as many more as it takes to count
-/// the unstable ones right. The `trivial` ones nearest to 1 are left out: one for the shift in time and one for each
+/// the unstable ones and the pairs with a product beyond one right. The `trivial` ones nearest to 1 are left out: one for the shift in time and one for each
 /// continuous symmetry.
 pub fn multipliers(
     transitions: &dyn Product,
@@ -186,11 +209,12 @@ pub fn multipliers(
     let turned = Turned { transitions, symmetry };
     let n = turned.dim();
     // Trivial ones are not counted.
-    let mut count = wanted.map_or(n, |wanted| wanted + trivial);
+    let mut count = wanted.map_or(n, |wanted| wanted.max(FEW) + trivial);
     let mut found: Vec<Eigenvalue>;
     loop {
         found = if count < n { periodic::leading(&turned, count)? } else { periodic::all(&turned)? };
-        if count >= n || found.last().is_some_and(|least| least.ln < INSIDE.ln()) {
+        let most = found.first().map_or(0.0, |most| most.ln.max(0.0));
+        if count >= n || found.last().is_some_and(|least| least.ln + most < INSIDE.ln()) {
             break;
         }
         count *= 2;

@@ -1,16 +1,18 @@
-//! The Brusselator chain of `common::brusselator`, banded, on 20 intervals of degree 4.
+//! The Brusselator chain of `common::brusselator`, banded, on 20 intervals of degree 4: at Gauss points, as AUTO has them, or
+//! at Radau points, the program's own choice for stiff problems: fast decaying modes get no multipliers near the unit circle
+//! there (see `Scheme`).
 
 use super::Case;
 use super::common::{brusselator::Brusselator, first_cycle};
 use hopfline::continuation::StepControl;
 use hopfline::orbit::Points;
 
-pub fn case<const POINTS: usize>() -> Case {
+pub fn case<const POINTS: usize>(points: Points) -> Case {
     let problem = Brusselator::chain(POINTS, true);
     let hopf = Brusselator::hopf(&problem);
     let size = f64::sqrt(2.0 * POINTS as f64);
     let (intervals, degree) = (20, 4);
-    let mesh = (intervals, degree, Points::Gauss);
+    let mesh = (intervals, degree, points);
     let (system, start) = first_cycle(problem, &hopf, 0.1 * size, mesh, (size, 1.0));
     let (n, m, count) = (2.0 * POINTS as f64, degree as f64, intervals as f64);
     // Each interval: n + 2 columns through a band of 3 (2 m + m - 1) entries; each joint: one product of n by n matrices.

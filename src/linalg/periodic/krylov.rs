@@ -13,30 +13,32 @@
 //! When all that is wanted has converged, a vector from elsewhere is carried round as well: what one start cannot see
 //! (several eigenvectors of one eigenvalue) shows then.
 
-use super::cyclic::Cyclic;
 use super::dense::{Dense, axpy, dot};
-use super::iteration::Blocks;
-use super::{Eigenvalue, PeriodicError, Product, all, sort};
+use super::ritz::Ritz;
+use super::{Eigenvalue, PeriodicError, Product, all, subspace};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Par};
+use faer::{Accum, MatMut, MatRef, Par};
 
 /// Up to this dimension all eigenvalues cost no more than a few.
 const SMALL: usize = 40;
 /// Rounds that a vector from elsewhere gets.
 const ROUNDS: usize = 3;
 const RESTARTS: usize = 60;
-/// A converged column's |b_i| in parts of its own diagonal entry of H, and of the largest one.
-const TOLERANCE: f64 = 1e-13;
-const FLOOR: f64 = 2.0 * f64::EPSILON;
 /// What orthogonalisation leaves of a vector that depends on the basis, in parts of its length.
-const DEPENDENT: f64 = 10.0 * f64::EPSILON;
+pub(super) const DEPENDENT: f64 = 10.0 * f64::EPSILON;
 
 /// The k eigenvalues of largest modulus, largest first, and one more where the k-th belongs to a pair. Where a few
 /// would cost as much as all, or do not converge, all are computed.
 pub fn leading(product: &dyn Product, k: usize) -> Result<Vec<Eigenvalue>, PeriodicError> {
     let most = 2 * k + 8;
     let few = k > 0 && product.dim() > SMALL && 3 * most < product.dim();
-    let found = if few { Krylov::new(product, k, most).run()? } else { None };
+    let mut found = None;
+    if few {
+        found = carried(product, k, most);
+        if found.is_none() {
+            found = Krylov::new(product, k, most).run()?.map(|ritz| ritz.values);
+        }
+    }
     let mut values = match found {
         Some(values) => values,
         None => all(product)?,
@@ -44,6 +46,15 @@ pub fn leading(product: &dyn Product, k: usize) -> Result<Vec<Eigenvalue>, Perio
     let cut = k > 0 && values.get(k - 1).is_some_and(|value| value.direction.im > 0.0);
     values.truncate(k + usize::from(cut));
     Ok(values)
+}
+
+/// Where the product has been multiplied out, its own leading subspace is nearly that of the factors.
+fn carried(product: &dyn Product, k: usize, most: usize) -> Option<Vec<Eigenvalue>> {
+    let formed = vec![product.formed()?];
+    let mut krylov = Krylov::new(&formed, k, most);
+    let ritz = krylov.run().ok()??;
+    krylov.restart(&ritz, ritz.needed);
+    subspace::carried(product, krylov.v.swap_remove(0).truncated(product.dim(), ritz.needed), k)
 }
 
 struct Krylov<'a> {
@@ -62,18 +73,6 @@ struct Krylov<'a> {
     random: u64,
 }
 
-/// The projected product in sorted Schur form.
-struct Ritz {
-    cyclic: Cyclic,
-    blocks: Blocks,
-    /// Residual row b.
-    b: Vec<f64>,
-    values: Vec<Eigenvalue>,
-    /// Rows that hold all wanted eigenvalues, and whether they have converged.
-    needed: usize,
-    converged: bool,
-}
-
 impl<'a> Krylov<'a> {
     fn new(product: &'a dyn Product, wanted: usize, most: usize) -> Self {
         let (n, count) = (product.dim(), product.factors());
@@ -85,7 +84,7 @@ impl<'a> Krylov<'a> {
     }
 
     /// None where too many restarts would be needed.
-    fn run(mut self) -> Result<Option<Vec<Eigenvalue>>, PeriodicError> {
+    fn run(&mut self) -> Result<Option<Ritz>, PeriodicError> {
         let stride = (self.wanted / 2).max(4);
         let mut goal = self.wanted + 4;
         let mut confirmed = false;
@@ -95,7 +94,7 @@ impl<'a> Krylov<'a> {
             }
             let Some(ritz) = self.ritz() else { return Ok(None) };
             if ritz.converged && confirmed {
-                return Ok(Some(ritz.values));
+                return Ok(Some(ritz));
             }
             confirmed = ritz.converged;
             if ritz.converged {
@@ -122,7 +121,11 @@ impl<'a> Krylov<'a> {
         let k = self.size;
         let mut w = vec![0.0; self.n];
         for j in 0..=self.last {
-            self.product.apply(j, self.v[j].col(k), &mut w);
+            self.product.apply(
+                j,
+                MatRef::from_column_major_slice(self.v[j].col(k), self.n, 1),
+                MatMut::from_column_major_slice_mut(&mut w, self.n, 1),
+            );
             let before = dot(&w, &w).sqrt();
             if !before.is_finite() {
                 return Err(PeriodicError::NotFinite { factor: j });
@@ -184,34 +187,8 @@ impl<'a> Krylov<'a> {
     fn ritz(&self) -> Option<Ritz> {
         let s = self.size;
         let beta = self.t[self.last].at(s, s - 1);
-        let mut cyclic = Cyclic::new(self.t.iter().map(|t| t.truncated(s, s)).collect(), true);
-        let blocks = cyclic.iterate().ok()?;
-        let blocks = cyclic.sort(blocks);
-        let basis = &cyclic.q.as_ref()?[self.last];
-        let b: Vec<f64> = (0..s).map(|i| beta * basis.at(s - 1, i)).collect();
-        // Sorted but for what could not be exchanged, and for rounding.
-        let mut found: Vec<((usize, usize), Vec<Eigenvalue>)> =
-            blocks.iter().map(|&block| (block, cyclic.values(block))).collect();
-        found.sort_by(|x, y| y.1[0].ln.total_cmp(&x.1[0].ln));
-        let (mut count, mut needed) = (0, 0);
-        for ((i, size), _) in &found {
-            if count >= self.wanted {
-                break;
-            }
-            count += size;
-            needed = needed.max(i + size);
-        }
-        let mut values: Vec<Eigenvalue> = found.into_iter().flat_map(|(_, values)| values).collect();
-        sort(&mut values);
-        let scale = f64::from(cyclic.exponents[self.last]).exp2();
-        let (h, largest) = (cyclic.h(), cyclic.h().largest());
-        let small = |&(i, size): &(usize, usize)| {
-            let own = (i..i + size).flat_map(|r| (i..i + size).map(move |c| (r, c)));
-            let own = own.fold(0.0_f64, |most, (r, c)| most.max(h.at(r, c).abs()));
-            b[i..i + size].iter().all(|b| b.abs() <= scale * (TOLERANCE * own).max(FLOOR * largest))
-        };
-        let converged = blocks.iter().take_while(|(i, _)| *i < needed).all(small);
-        Some(Ritz { blocks, b, values, needed, converged, cyclic })
+        let residuals = |basis: &Dense| (0..s).map(|i| beta * basis.at(s - 1, i)).collect();
+        Ritz::new(self.t.iter().map(|t| t.truncated(s, s)).collect(), self.wanted, &residuals)
     }
 
     /// Keeps the leading columns of the Schur form.
@@ -233,7 +210,7 @@ impl<'a> Krylov<'a> {
             }
         }
         self.v[0].col_mut(keep).copy_from_slice(&next);
-        (0..keep).for_each(|c| self.t[self.last].set(keep, c, ritz.b[c]));
+        (0..keep).for_each(|c| self.t[self.last].set(keep, c, ritz.residuals[c]));
         self.size = keep;
     }
 }

@@ -10,13 +10,16 @@ mod dense;
 mod iteration;
 mod krylov;
 mod order;
+mod ritz;
 mod scaled;
 mod strip;
+mod subspace;
 #[cfg(test)]
 mod tests;
 
 use cyclic::Cyclic;
-use faer::{Mat, c64};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, MatRef, Par, c64};
 use std::f64::consts::LN_2;
 use thiserror::Error;
 
@@ -65,19 +68,20 @@ pub trait Product: Sync {
     /// N, at least 1.
     fn factors(&self) -> usize;
 
-    /// `y = A x`, x and y of length n.
-    fn apply(&self, j: usize, x: &[f64], y: &mut [f64]);
+    /// `Y = A X`, X and Y of n rows.
+    fn apply(&self, j: usize, x: MatRef<'_, f64>, y: MatMut<'_, f64>);
 
     /// The factor's entries.
     fn matrix(&self, j: usize) -> Mat<f64> {
-        let n = self.dim();
-        let (mut out, mut unit) = (Mat::zeros(n, n), vec![0.0; n]);
-        for k in 0..n {
-            unit[k] = 1.0;
-            self.apply(j, &unit, out.col_as_slice_mut(k));
-            unit[k] = 0.0;
-        }
+        let (n, one) = (self.dim(), Mat::identity(self.dim(), self.dim()));
+        let mut out = Mat::zeros(n, n);
+        self.apply(j, one.as_ref(), out.as_mut());
         out
+    }
+
+    /// The product multiplied out, where that was done anyway: a guess.
+    fn formed(&self) -> Option<Mat<f64>> {
+        None
     }
 }
 
@@ -90,11 +94,8 @@ impl Product for Vec<Mat<f64>> {
         self.len()
     }
 
-    fn apply(&self, j: usize, x: &[f64], y: &mut [f64]) {
-        let n = x.len();
-        let x = faer::MatRef::from_column_major_slice(x, n, 1);
-        let y = faer::MatMut::from_column_major_slice_mut(y, n, 1);
-        faer::linalg::matmul::matmul(y, faer::Accum::Replace, self[j].as_ref(), x, 1.0, faer::Par::Seq);
+    fn apply(&self, j: usize, x: MatRef<'_, f64>, y: MatMut<'_, f64>) {
+        matmul(y, Accum::Replace, self[j].as_ref(), x, 1.0, Par::Seq);
     }
 
     fn matrix(&self, j: usize) -> Mat<f64> {

@@ -279,6 +279,55 @@ fn the_leading_ones_are_the_first_of_all() {
     }
 }
 
+/// Factors that say what their product is, more or less.
+struct Formed(Vec<Mat<f64>>, f64);
+
+impl Product for Formed {
+    fn dim(&self) -> usize {
+        self.0.dim()
+    }
+
+    fn factors(&self) -> usize {
+        self.0.factors()
+    }
+
+    fn apply(&self, j: usize, x: MatRef<'_, f64>, y: MatMut<'_, f64>) {
+        self.0.apply(j, x, y);
+    }
+
+    fn formed(&self) -> Option<Mat<f64>> {
+        let n = self.dim();
+        let product = self.0.iter().fold(Mat::identity(n, n), |product: Mat<f64>, a| a * product);
+        Some(product * faer::Scale(1.0 + self.1) + Mat::from_fn(n, n, |i, j| self.1 * ((i + 7 * j) as f64).sin()))
+    }
+}
+
+#[test]
+fn a_guess_of_the_product_changes_nothing_but_the_work() {
+    let mut random = Numbers(9);
+    let n = 60;
+    let decaying = |i: usize| (0.2 - 0.4 * i as f64, [0.0, 2.0, PI][i % 3]);
+    let products = [
+        random.factors(n, 5),
+        known(&(0..45).map(decaying).collect::<Vec<_>>(), &[1.0; 12], 0.1, &mut random).0,
+        // Modulus 1e-30 at the tenth: out of a guess's reach.
+        known(&(0..n).map(|i| (-7.0 * i as f64, 0.0)).collect::<Vec<_>>(), &[1.0; 8], 0.1, &mut random).0,
+        vec![Mat::zeros(n, n); 3],
+    ];
+    for (case, factors) in products.iter().enumerate() {
+        let whole = all(factors).unwrap();
+        // Good, useless and wrong guesses.
+        for wrong in [0.0, 1e-6, 1.0, f64::NAN] {
+            for k in [1, 4, 6] {
+                let found = leading(&Formed(factors.clone(), wrong), k).unwrap();
+                for (x, y) in found.iter().zip(&whole) {
+                    assert!((x.ln - y.ln).abs() < 1e-11 || x.ln == y.ln, "{case} {wrong} {k}: {x:?} {y:?}");
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn entries_that_are_not_finite_are_refused() {
     let mut factors = Numbers(8).factors(50, 3);

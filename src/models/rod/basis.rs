@@ -178,8 +178,28 @@ pub fn gauss(n: usize) -> (Vec<f64>, Vec<f64>) {
     (x, w)
 }
 
-/// Matrix times vector over any scalar: four contiguous columns at a time, so that the sums stay in registers.
+/// Matrix times vector over any scalar, compiled for each kind of vector unit and chosen when the program runs.
 pub fn times<S: Scalar>(a: &Mat<f64>, x: &[S]) -> Vec<S> {
+    pulp::Arch::new().dispatch(Times { a, x })
+}
+
+struct Times<'a, S> {
+    a: &'a Mat<f64>,
+    x: &'a [S],
+}
+
+impl<S: Scalar> pulp::NullaryFnOnce for Times<'_, S> {
+    type Output = Vec<S>;
+
+    #[inline(always)]
+    fn call(self) -> Vec<S> {
+        multiplied(self.a, self.x)
+    }
+}
+
+/// Four contiguous columns at a time, so that the sums stay in registers.
+#[inline(always)]
+fn multiplied<S: Scalar>(a: &Mat<f64>, x: &[S]) -> Vec<S> {
     let mut y = vec![S::from(0.0); a.nrows()];
     let blocks = x.chunks_exact(4);
     let done = x.len() - blocks.remainder().len();

@@ -88,7 +88,7 @@ impl Closed {
         };
         for component in 0..d {
             for i in 0..n {
-                fill(component * n + i, component, &|k| rows[(i, k)], &|k| rows[(i, n + k)]);
+                fill(component * n + i, component, &|k| rows.at(i, k), &|k| rows.at(i, n + k));
             }
             for (i, &(border, _)) in closing.rows.iter().enumerate() {
                 let reach = &linear.reaches[border];
@@ -96,7 +96,7 @@ impl Closed {
             }
         }
         for s in 0..closing.scalars {
-            (0..n).for_each(|i| a[(i, z + s)] = rows[(i, 2 * n + s)]);
+            (0..n).for_each(|i| a[(i, z + s)] = rows.at(i, 2 * n + s));
             for (i, &(border, direct)) in closing.rows.iter().enumerate() {
                 a[(n + i, z + s)] = linear.reaches[border].z[s] + direct[s];
             }
@@ -130,7 +130,7 @@ impl Closed {
             }
             if !right.end.is_empty() {
                 for k in 0..n {
-                    ends[i * n + k] -= (0..n).map(|l| transition[(k, n + l)] * right.end[l]).sum::<f64>();
+                    ends[i * n + k] -= (0..n).map(|l| transition.at(k, n + l) * right.end[l]).sum::<f64>();
                 }
                 for (k, &(row, _)) in self.closing.rows.iter().enumerate() {
                     ends[d * n + i * borders + k] -= dot(&linear.reaches[row].b, right.end);
@@ -177,7 +177,7 @@ impl Closed {
         let part = |j: usize| {
             let mut eta = vec![0.0; n];
             for (l, eta) in eta.iter_mut().enumerate() {
-                *eta = -(0..n).map(|k| transition[(k, n + l)] * y[j * n + k]).sum::<f64>();
+                *eta = -(0..n).map(|k| transition.at(k, n + l) * y[j * n + k]).sum::<f64>();
                 for (k, &(row, _)) in self.closing.rows.iter().enumerate() {
                     *eta -= linear.reaches[row].b[l] * y[d * n + j * borders + k];
                 }

@@ -7,7 +7,8 @@
 //! D²G[(u_a, v_a, p_a), (u_b, v_b, p_b)] - G_v (v_a P_b + v_b P_a) / P.
 //! ```
 
-use super::super::condensation::{Condensed, Reach};
+use super::super::condensation::Condensed;
+use super::super::rows::Reach;
 use super::super::{Collocation, Orbit};
 use crate::linalg::Singular;
 use crate::problem::{At, Direction, Problem, Reflection};

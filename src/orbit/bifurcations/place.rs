@@ -97,7 +97,7 @@ impl Place {
         for i in 0..=n {
             let entry = |k: usize| {
                 if i < n {
-                    rows[(i, k)]
+                    rows.at(i, k)
                 } else if k < n {
                     phase.a[k]
                 } else {
@@ -108,7 +108,7 @@ impl Place {
                 whole[(i, k)] += entry(k);
                 whole[(i, symmetry.source[k])] += entry(n + k) * symmetry.sign[k];
             }
-            whole[(i, n)] = if i < n { rows[(i, 2 * n)] } else { phase.z[0] };
+            whole[(i, n)] = if i < n { rows.at(i, 2 * n) } else { phase.z[0] };
         }
         let nearest = nu.iter().map(|nu| (nu - 1.0).norm()).fold(f64::INFINITY, f64::min);
         Ok(Lu::new(whole.as_ref())?.sign() * pivots(rows, symmetry, nu)? * nearest)

@@ -4,17 +4,18 @@
 //! fold     the tangent's entry for lambda,
 //! branch   det [H_x, H_lambda; tangent], which a fold does not change,
 //! flip     prod (nu_i + 1),
-//! torus    prod over pairs (nu_i nu_j - 1): at a torus bifurcation a complex pair, at a neutral saddle a real one.
+//! torus    prod over pairs (1 - nu_i nu_j): at a torus bifurcation a complex pair, at a neutral saddle a real one.
 //! ```
 //!
 //! nu are the multipliers over the computed part of the period without the trivial one. Products are formed by their
-//! signs and their smallest factor, if that is below one, so that nothing over- or underflows.
+//! signs and their smallest factor, if that is below one, so that nothing over- or underflows. What lies well inside
+//! the unit circle, also times the largest of them, changes no sign: of many unknowns only the others are computed.
 
 use crate::continuation::Point;
 use crate::linalg::{Lu, Singular, c64};
-use crate::orbit::{FloquetError, OrbitFactors};
+use crate::orbit::{FloquetError, OrbitFactors, Rows};
 use crate::problem::Reflection;
-use faer::{Mat, MatRef};
+use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 /// What happens to a cycle.
@@ -77,13 +78,13 @@ fn branch(factors: &OrbitFactors, nu: &[c64]) -> Result<f64, Singular> {
 
 /// Elimination changes the sign of a determinant by that of its pivots, and that of `det(C + kappa D S)` likewise: the
 /// latter, for kappa < 0 beyond all multipliers, is otherwise constant along a branch.
-pub(super) fn pivots(rows: MatRef<'_, f64>, symmetry: &Reflection, nu: &[c64]) -> Result<f64, Singular> {
-    let n = rows.nrows();
+pub(super) fn pivots(rows: Rows, symmetry: &Reflection, nu: &[c64]) -> Result<f64, Singular> {
+    let n = rows.n();
     let kappa = -4.0 * nu.iter().fold(1.0, |most: f64, nu| most.max(nu.norm()));
-    let mut far = Mat::from_fn(n, n, |i, j| rows[(i, j)]);
+    let mut far = Mat::from_fn(n, n, |i, j| rows.at(i, j));
     for i in 0..n {
         for j in 0..n {
-            far[(i, symmetry.source[j])] += kappa * rows[(i, n + j)] * symmetry.sign[j];
+            far[(i, symmetry.source[j])] += kappa * rows.at(i, n + j) * symmetry.sign[j];
         }
     }
     Ok(Lu::new(far.as_ref())?.sign())
@@ -103,7 +104,7 @@ pub(super) fn torus(nu: &[c64]) -> (f64, Option<(usize, usize)>) {
         for j in i + 1..nu.len() {
             let factor = nu[i] * nu[j] - 1.0;
             let conjugate = nu[i].im != 0.0 && nu[i] == nu[j].conj();
-            if (conjugate || (nu[i].im == 0.0 && nu[j].im == 0.0)) && factor.re < 0.0 {
+            if (conjugate || (nu[i].im == 0.0 && nu[j].im == 0.0)) && factor.re > 0.0 {
                 sign = -sign;
             }
             if factor.norm() < least {
@@ -127,5 +128,21 @@ mod tests {
         assert!(inside * real > 0.0 && inside * outside < 0.0);
         assert!(flip(&[z(-0.9, 0.0), z(0.3, 0.2)]) * flip(&[z(-1.1, 0.0), z(0.3, 0.2)]) < 0.0);
         assert!(flip(&[z(-1.2, 0.1), z(-1.2, -0.1)]) * flip(&[z(-1.3, 0.0), z(-1.1, 0.0)]) > 0.0);
+    }
+
+    #[test]
+    fn what_lies_well_inside_changes_no_sign() {
+        let z = |re: f64, im: f64| c64::new(re, im);
+        let inside = [z(0.25, 0.2), z(0.25, -0.2), z(-0.3, 0.0), z(0.2, 0.0), z(-0.1, 0.0), z(0.0, 0.0)];
+        let leading = [
+            vec![z(2.0, 0.0), z(0.9, 0.3), z(0.9, -0.3)],
+            vec![z(1.0, 0.3), z(1.0, -0.3), z(-0.8, 0.0)],
+            vec![z(-2.5, 0.0), z(-0.5, 0.0), z(0.35, 0.0)],
+            vec![z(-1.5, 0.0), z(1.2, 0.0), z(0.9, 0.0)],
+        ];
+        for few in leading {
+            let all = [&few[..], &inside].concat();
+            assert!(flip(&few) * flip(&all) > 0.0 && torus(&few).0 * torus(&all).0 > 0.0, "{few:?}");
+        }
     }
 }

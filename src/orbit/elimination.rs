@@ -1,0 +1,121 @@
+//! Elimination of what lies inside: LU with partial pivoting of a tall block.
+//!
+//! ```text
+//! [ inside | x_a  x_b  z ] = r,      rows = inside + n,
+//! ```
+//!
+//! leaves n rows `C x_a + D x_b + E z = r'`. Border rows (phase, arclength) are carried along. Eliminations run side by side,
+//! each on one thread.
+
+use super::rows::{Reach, Rows, subtract_product};
+use crate::linalg::Singular;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place, solve_upper_triangular_in_place,
+};
+use faer::{Accum, Mat, MatRef, Par};
+
+/// A tall block `[inside | right]` after elimination of its inside columns.
+pub struct Elimination {
+    /// L below the diagonal, U on and above it.
+    factors: Mat<f64>,
+    order: Vec<usize>,
+    /// Rows of the right part: on top what gives the inside, below the n remaining rows `[C D E]`.
+    right: Mat<f64>,
+    /// For each border, its entries on the inside times U^-1.
+    borders: Vec<Vec<f64>>,
+    n: usize,
+}
+
+impl Elimination {
+    /// Eliminates the columns of `inside`; `right` has columns `[x_a (n), x_b (n), z]`.
+    pub fn new(mut inside: Mat<f64>, mut right: Mat<f64>, n: usize) -> Result<Self, Singular> {
+        let (rows, columns) = (inside.nrows(), inside.ncols());
+        let (mut order, mut inverse) = (vec![0_usize; rows], vec![0_usize; rows]);
+        let mut memory = MemBuffer::new(lu_in_place_scratch::<usize, f64>(rows, columns, Par::Seq, Default::default()));
+        lu_in_place(
+            inside.as_mut(),
+            &mut order,
+            &mut inverse,
+            Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
+        );
+        if (0..columns).any(|i| !inside[(i, i)].is_finite() || inside[(i, i)] == 0.0) {
+            return Err(Singular);
+        }
+        permute(&mut right, &order);
+        let (mut top, bottom) = right.as_mut().split_at_row_mut(columns);
+        solve_unit_lower_triangular_in_place(inside.as_ref().subrows(0, columns), top.as_mut(), Par::Seq);
+        matmul(bottom, Accum::Add, inside.as_ref().subrows(columns, n), top.as_ref(), -1.0, Par::Seq);
+        Ok(Self { factors: inside, order, right, borders: Vec::new(), n })
+    }
+
+    pub fn inside(&self) -> usize {
+        self.factors.ncols()
+    }
+
+    pub fn remaining(&self) -> Rows<'_> {
+        let (n, rows) = (self.n, self.right.as_ref().subrows(self.inside(), self.n));
+        Rows { c: rows.subcols(0, n), d: Some(rows.subcols(n, n)), e: rows.subcols(2 * n, rows.ncols() - 2 * n) }
+    }
+
+    /// Forgets the remaining rows, which another elimination has taken over.
+    pub fn shrink(&mut self) {
+        self.right = self.right.as_ref().subrows(0, self.inside()).to_owned();
+    }
+
+    fn upper(&self) -> MatRef<'_, f64> {
+        self.factors.as_ref().subrows(0, self.inside())
+    }
+
+    /// Eliminates a border row's entries on the inside; the change of its entries elsewhere.
+    pub fn add_border(&mut self, mut row: Vec<f64>) -> Reach {
+        let n = self.n;
+        let columns = self.inside();
+        let view = faer::MatMut::from_column_major_slice_mut(&mut row, columns, 1);
+        solve_lower_triangular_in_place(self.upper().transpose(), view, Par::Seq);
+        let top = self.right.as_ref().subrows(0, columns);
+        let mut change = vec![0.0; top.ncols()];
+        subtract_product(top.transpose(), &row, &mut change);
+        self.borders.push(row);
+        Reach { a: change[..n].to_vec(), b: change[n..2 * n].to_vec(), z: change[2 * n..].to_vec() }
+    }
+
+    /// Applies the elimination to a right-hand side: the upper part, and the n remaining entries; `border` collects
+    /// what the borders' right-hand sides lose.
+    pub fn forward(&self, r: &[f64], border: &mut [f64]) -> (Vec<f64>, Vec<f64>) {
+        let columns = self.inside();
+        let mut top: Vec<f64> = self.order[..columns].iter().map(|&i| r[i]).collect();
+        let mut bottom: Vec<f64> = self.order[columns..].iter().map(|&i| r[i]).collect();
+        let view = faer::MatMut::from_column_major_slice_mut(&mut top, columns, 1);
+        solve_unit_lower_triangular_in_place(self.upper(), view, Par::Seq);
+        subtract_product(self.factors.as_ref().subrows(columns, self.n), &top, &mut bottom);
+        for (border, row) in border.iter_mut().zip(&self.borders) {
+            *border -= crate::linalg::dot(row, &top);
+        }
+        (top, bottom)
+    }
+
+    /// The inside from the ends and z.
+    pub fn back(&self, mut top: Vec<f64>, a: &[f64], b: &[f64], z: &[f64]) -> Vec<f64> {
+        let columns = self.inside();
+        let outer: Vec<f64> = a.iter().chain(b).chain(z).copied().collect();
+        subtract_product(self.right.as_ref().subrows(0, columns), &outer, &mut top);
+        let view = faer::MatMut::from_column_major_slice_mut(&mut top, columns, 1);
+        solve_upper_triangular_in_place(self.upper(), view, Par::Seq);
+        top
+    }
+}
+
+/// Brings rows into a new order.
+fn permute(a: &mut Mat<f64>, order: &[usize]) {
+    let mut before = vec![0.0; a.nrows()];
+    for j in 0..a.ncols() {
+        let column = a.col_as_slice_mut(j);
+        before.copy_from_slice(column);
+        column.iter_mut().zip(order).for_each(|(x, &i)| *x = before[i]);
+    }
+}
