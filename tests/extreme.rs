@@ -32,8 +32,16 @@ fn every_scene_of_the_suite_can_be_run() {
 #[test]
 fn the_quick_ones_are_right_to_their_printed_errors() {
     let quick = [
-        "bratu-fold", "dae", "exceptional", "impasse", "k_N-0", "no-damping", "non-normal", "oscillator-large",
-        "oscillator-small", "too-coarse",
+        "bratu-fold",
+        "dae",
+        "exceptional",
+        "impasse",
+        "k_N-0",
+        "no-damping",
+        "non-normal",
+        "oscillator-large",
+        "oscillator-small",
+        "too-coarse",
     ];
     let scenes = suite();
     let cases: Vec<Case> = quick

@@ -176,7 +176,10 @@ fn a_folder_of_scenes_is_a_suite() {
     let table = finished.stdout.split_once("| case").unwrap_or_else(|| panic!("{}", finished.stdout)).1;
     let rows: Vec<&str> = table.lines().filter(|line| line.starts_with('|')).skip(1).collect();
     assert!(rows[0].contains("first") && rows[0].contains("| right") && rows[0].contains("1 of 1"), "{table}");
-    assert!(rows[1].contains("second") && rows[1].contains("MISSED 1 of 1") && rows[1].ends_with("nothing |"), "{table}");
+    assert!(
+        rows[1].contains("second") && rows[1].contains("MISSED 1 of 1") && rows[1].ends_with("nothing |"),
+        "{table}"
+    );
     assert!(table.contains("1 of 2 numbers lie within their printed errors"), "{table}");
     assert!(finished.stdout.ends_with(&fs::read_to_string(desk.path("output/set/cases.md")).unwrap()));
     let cases = fs::read_to_string(desk.path("output/set/cases.json")).unwrap();
