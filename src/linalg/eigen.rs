@@ -2,6 +2,8 @@
 //!
 //! With `B = (A + s M)^-1 M`, `B q = mu q` and `mu = 1/(s - sigma)`: eigenvalues near the shift are the large ones of
 //! B and come out to full relative accuracy, however stiff the rest; infinite ones (singular M) are mu = 0.
+//! Where M has columns of zeros, as for algebraic unknowns, only the block of B in the other unknowns is taken,
+//! `B_11 q_1 = mu q_1`, and `q_2 = B_21 q_1 / mu`: this leaves out zeros that rounding would turn into eigenvalues of any size.
 //! B is balanced (Parlett and Reinsch 1969, doi:10.1007/BF02165404) because faer's routine does not.
 
 use super::{Lu, Singular};
@@ -25,14 +27,17 @@ const ON_AXIS: f64 = 1e-10;
 /// All finite eigenvalues of `A + sigma M`, rightmost first; of a conjugate pair, the one with im > 0 comes first.
 /// Of those with one real part, which rounding would shuffle, the slowest come first. `shift` is real, positive, and of the size of the eigenvalues of interest. Vectors belong to the first `vectors`.
 pub fn pencil(a: MatRef<'_, f64>, m: MatRef<'_, f64>, shift: f64, vectors: usize) -> Result<Vec<Eigenpair>, Singular> {
-    let n = a.nrows();
-    let shifted = Mat::from_fn(n, n, |i, j| a[(i, j)] + shift * m[(i, j)]);
-    let mut b = m.to_owned();
-    Lu::new(shifted.as_ref())?.solve_many(b.as_mut());
-    let scale = balance(&mut b);
-    if !b.is_all_finite() {
+    let size = a.nrows();
+    let shifted = Mat::from_fn(size, size, |i, j| a[(i, j)] + shift * m[(i, j)]);
+    let moving: Vec<usize> = (0..size).filter(|&j| (0..size).any(|i| m[(i, j)] != 0.0)).collect();
+    let n = moving.len();
+    let mut images = Mat::from_fn(size, n, |i, j| m[(i, moving[j])]);
+    Lu::new(shifted.as_ref())?.solve_many(images.as_mut());
+    if !images.is_all_finite() {
         return Err(Singular);
     }
+    let mut b = Mat::from_fn(n, n, |i, j| images[(moving[i], j)]);
+    let scale = balance(&mut b);
     let (values, columns) = if vectors == 0 {
         (b.eigenvalues().map_err(|_| Singular)?, None)
     } else {
@@ -56,7 +61,16 @@ pub fn pencil(a: MatRef<'_, f64>, m: MatRef<'_, f64>, shift: f64, vectors: usize
         .into_iter()
         .enumerate()
         .map(|(rank, (value, j))| {
-            let raw = |columns: &Mat<c64>| (0..n).map(|i| columns[(i, j)] * scale[i]).collect::<Vec<c64>>();
+            let raw = |columns: &Mat<c64>| {
+                let moved: Vec<c64> = (0..n).map(|i| columns[(i, j)] * scale[i]).collect();
+                // B q = mu q, entry by entry.
+                let mut vector = vec![c64::new(0.0, 0.0); size];
+                for (k, &z) in moved.iter().enumerate() {
+                    let image = images.col_as_slice(k);
+                    vector.iter_mut().zip(image).for_each(|(v, image)| *v += z * *image / values[j]);
+                }
+                vector
+            };
             let mut vector = columns.as_ref().filter(|_| rank < vectors).map_or(Vec::new(), raw);
             let norm = vector.iter().map(|z| z.norm_sqr()).sum::<f64>().sqrt();
             vector.iter_mut().for_each(|z| *z /= norm);

@@ -38,6 +38,21 @@ impl Factors {
         }
     }
 
+    /// `A^-1 B` in place.
+    pub fn solve_many(&self, b: &mut Mat<f64>) {
+        match self {
+            Factors::Dense(lu) => lu.solve_many(b.as_mut()),
+            Factors::Banded(lu) => {
+                let (rows, columns) = (b.nrows(), b.ncols());
+                let mut by_rows: Vec<f64> =
+                    (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|at| b[at]).collect();
+                lu.solve_many(&mut by_rows, columns);
+                (0..columns).for_each(|j| (0..rows).for_each(|i| b[(i, j)] = by_rows[i * columns + j]));
+            }
+            Factors::Sparse(made) => (0..b.ncols()).for_each(|j| made.0.solve(b.col_as_slice_mut(j))),
+        }
+    }
+
     /// `A^-T b` in place.
     pub fn solve_transposed(&self, b: &mut [f64]) {
         match self {

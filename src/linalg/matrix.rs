@@ -116,6 +116,48 @@ impl Matrix {
         sum
     }
 
+    /// This matrix with the columns of another one of the same structure at some places.
+    pub fn with_columns(&self, other: &Matrix, columns: &[usize]) -> Matrix {
+        let mut mixed = self.clone();
+        match (&mut mixed, other) {
+            (Matrix::Dense(a), Matrix::Dense(b)) => columns.iter().for_each(|&j| a.col_mut(j).copy_from(b.col(j))),
+            (Matrix::Banded(a), Matrix::Banded(b)) => {
+                for &j in columns {
+                    for i in b.rows(j) {
+                        let first = a.columns(i).start;
+                        a.row_mut(i)[j - first] = b.get(i, j);
+                    }
+                }
+            }
+            (Matrix::Sparse(a), Matrix::Sparse(b)) => {
+                for &j in columns {
+                    let range = b.pattern.column(j).0;
+                    a.values[range.clone()].copy_from_slice(&b.values[range]);
+                }
+            }
+            (_, other) => {
+                let dense = |a: &Matrix| Matrix::Dense(a.clone().into_dense());
+                return dense(self).with_columns(&dense(other), columns);
+            }
+        }
+        mixed
+    }
+
+    /// Some columns, into the first ones of a dense matrix of zeros.
+    pub fn copy_columns(&self, columns: &[usize], out: &mut Mat<f64>) {
+        for (k, &j) in columns.iter().enumerate() {
+            let out = out.col_as_slice_mut(k);
+            match self {
+                Matrix::Dense(a) => out.copy_from_slice(a.col_as_slice(j)),
+                Matrix::Banded(a) => a.rows(j).for_each(|i| out[i] = a.get(i, j)),
+                Matrix::Sparse(a) => {
+                    let (range, rows) = a.pattern.column(j);
+                    rows.iter().zip(&a.values[range]).for_each(|(&i, &x)| out[i] = x);
+                }
+            }
+        }
+    }
+
     /// `y = A x`.
     pub fn times(&self, x: &[f64], y: &mut [f64]) {
         match self {

@@ -12,7 +12,7 @@ pub mod text;
 
 pub use column::{Column, Pipe};
 pub use filament::{Base, Filament};
-pub use flagellum::{Law, TwoDoublet};
+pub use flagellum::{Law, Mesh, MixedTwoDoublet, TwoDoublet};
 pub use lorenz84::Lorenz84;
 pub use options::{Choice, ModelError, Options};
 pub use panel::Panel;
@@ -39,10 +39,22 @@ pub static REGISTRY: &[Model] = &[
         options: &[
             ("load", "\"uniform\" | \"distal\"", "D(s) = 1, or 1 - exp(-s/s0)"),
             ("law", "\"printed\" | \"separation\"", "cubic normal force: -k_3N int (psi_1 - psi_2)^3 ds, or -k_3N h^3"),
-            ("functions", "28, from 2 to 400", "basis functions per doublet"),
+            (
+                "form",
+                "\"minimal\" | \"mixed\"",
+                "angles alone, or forces too: sparse hp elements with a constant singular mass",
+            ),
+            ("functions", "28, from 2 to 400", "basis functions per doublet (form = \"minimal\")"),
+            ("elements", "4, from 1 to 1000", "elements along the doublets (form = \"mixed\")"),
+            ("degree", "8, from 2 to 8", "degree of the angles on an element (form = \"mixed\")"),
+            (
+                "grading",
+                "1.2, from 1 to 10",
+                "an element's length over that of its neighbour nearer to an end (form = \"mixed\")",
+            ),
         ],
         optional: &["b_N", "k_T", "b_T", "k_3N", "k_3T"],
-        build: TwoDoublet::build,
+        build: flagellum::build,
     },
     Model {
         name: "lorenz-84",

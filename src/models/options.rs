@@ -49,4 +49,33 @@ impl Options {
             Some(Choice::Text(text)) => Err(error(format!("\"{text}\""))),
         }
     }
+
+    /// A number in a range.
+    pub fn number(&self, key: &str, default: f64, least: f64, most: f64) -> Result<f64, ModelError> {
+        let (found, value) = match self.0.get(key) {
+            None => return Ok(default),
+            Some(Choice::Integer(i)) => (i.to_string(), Some(*i as f64)),
+            Some(Choice::Text(text)) => match text.parse() {
+                Ok(value) => (text.clone(), Some(value)),
+                Err(_) => (format!("\"{text}\""), None),
+            },
+        };
+        value.filter(|value| (least..=most).contains(value)).ok_or_else(|| ModelError::Value {
+            key: key.into(),
+            allowed: format!("a number from {least} to {most}"),
+            found,
+        })
+    }
+
+    /// Refuses options that mean something only with another choice.
+    pub fn absent(&self, keys: &[&str], only: &str) -> Result<(), ModelError> {
+        let found = keys.iter().find_map(|key| self.0.get(*key).map(|value| (key, value)));
+        found.map_or(Ok(()), |(key, value)| {
+            let found = match value {
+                Choice::Integer(i) => i.to_string(),
+                Choice::Text(text) => text.clone(),
+            };
+            Err(ModelError::Value { key: (*key).into(), allowed: format!("left out without {only}"), found })
+        })
+    }
 }

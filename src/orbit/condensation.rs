@@ -12,6 +12,7 @@
 //! doi:10.1137/1.9781611971231, section 7.4); transition matrices are never multiplied. Border rows (phase, arclength) are carried along.
 //! The work does not depend on the number of threads.
 
+use super::algebraic::Algebraic;
 use super::band::Band;
 use crate::linalg::{Matrix, Singular};
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -115,7 +116,7 @@ impl Elimination {
     }
 
     /// Eliminates a border row's entries on the inside; the change of its entries elsewhere.
-    fn add_border(&mut self, mut row: Vec<f64>) -> Reach {
+    pub(super) fn add_border(&mut self, mut row: Vec<f64>) -> Reach {
         let n = self.n;
         let columns = self.inside();
         let view = faer::MatMut::from_column_major_slice_mut(&mut row, columns, 1);
@@ -129,7 +130,7 @@ impl Elimination {
 
     /// Applies the elimination to a right-hand side: the upper part, and the n remaining entries; `border` collects
     /// what the borders' right-hand sides lose.
-    fn forward(&self, r: &[f64], border: &mut [f64]) -> (Vec<f64>, Vec<f64>) {
+    pub(super) fn forward(&self, r: &[f64], border: &mut [f64]) -> (Vec<f64>, Vec<f64>) {
         let columns = self.inside();
         let mut top: Vec<f64> = self.order[..columns].iter().map(|&i| r[i]).collect();
         let mut bottom: Vec<f64> = self.order[columns..].iter().map(|&i| r[i]).collect();
@@ -143,7 +144,7 @@ impl Elimination {
     }
 
     /// The inside from the ends and z.
-    fn back(&self, mut top: Vec<f64>, a: &[f64], b: &[f64], z: &[f64]) -> Vec<f64> {
+    pub(super) fn back(&self, mut top: Vec<f64>, a: &[f64], b: &[f64], z: &[f64]) -> Vec<f64> {
         let columns = self.inside();
         let outer: Vec<f64> = a.iter().chain(b).chain(z).copied().collect();
         subtract_product(self.right.as_ref().subrows(0, columns), &outer, &mut top);
@@ -165,6 +166,8 @@ fn subtract_product(a: MatRef<'_, f64>, x: &[f64], y: &mut [f64]) {
 pub enum Interval {
     Dense(Elimination),
     Banded(Band),
+    /// Of a problem with structure and algebraic unknowns.
+    Algebraic(Box<Algebraic>),
 }
 
 impl Interval {
@@ -176,6 +179,13 @@ impl Interval {
         scalars: &[Vec<f64>],
     ) -> Result<Self, Singular> {
         let m = blocks.len();
+        let structured = !blocks.iter().any(|(gu, _)| matches!(gu, Matrix::Dense(_)));
+        if structured
+            && let Some(split) = Algebraic::split(&blocks, value)
+            && let Ok(made) = Algebraic::new(&blocks, split, (value, slope), scalars)
+        {
+            return Ok(Interval::Algebraic(Box::new(made)));
+        }
         let (mut dense, mut banded) = (Vec::new(), Vec::new());
         for pair in blocks {
             match pair {
@@ -210,6 +220,7 @@ impl Interval {
         match self {
             Interval::Dense(elimination) => elimination.inside(),
             Interval::Banded(band) => band.inside(),
+            Interval::Algebraic(made) => made.inside(),
         }
     }
 
@@ -218,6 +229,7 @@ impl Interval {
         match self {
             Interval::Dense(elimination) => elimination.remaining(),
             Interval::Banded(band) => band.remaining(),
+            Interval::Algebraic(made) => made.remaining(),
         }
     }
 
@@ -225,6 +237,7 @@ impl Interval {
         match self {
             Interval::Dense(elimination) => elimination.add_border(row.to_vec()),
             Interval::Banded(band) => band.add_border(row),
+            Interval::Algebraic(made) => made.add_border(row),
         }
     }
 
@@ -232,6 +245,7 @@ impl Interval {
         match self {
             Interval::Dense(elimination) => elimination.forward(r, border),
             Interval::Banded(band) => band.forward(r, border),
+            Interval::Algebraic(made) => made.forward(r, border),
         }
     }
 
@@ -239,6 +253,7 @@ impl Interval {
         match self {
             Interval::Dense(elimination) => elimination.back(top, a, b, z),
             Interval::Banded(band) => band.back(&top, a, z),
+            Interval::Algebraic(made) => made.back(top, a, b, z),
         }
     }
 }

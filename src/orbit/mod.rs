@@ -1,5 +1,6 @@
 //! Periodic orbits of `G(u, u', p) = 0` by collocation at Gauss points.
 
+mod algebraic;
 mod band;
 pub mod bifurcations;
 mod collocation;
@@ -12,6 +13,7 @@ mod shape;
 mod start;
 mod turning;
 
+pub use algebraic::Algebraic;
 pub use band::Band;
 pub use collocation::{Collocation, Frame, OrbitFactors};
 pub use condensation::{Condensed, Elimination, Interval};

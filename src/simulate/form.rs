@@ -1,7 +1,7 @@
 //! Which unknowns have rates, the pattern of the system for (u, v_d), and a consistent start.
 
 use super::SimulateError;
-use crate::linalg::{Factors, Matrix, finite};
+use crate::linalg::{Factors, finite};
 use crate::problem::{At, Problem};
 
 /// The split of the unknowns.
@@ -65,6 +65,7 @@ impl<'a> Form<'a> {
             return Err(SimulateError::Start);
         }
         let (mut u, mut v) = (start.to_vec(), vec![0.0; n]);
+        let still: Vec<usize> = (0..n).filter(|&i| self.algebraic[i]).collect();
         let mut g = vec![0.0; n];
         self.problem.residual(At { u: &u, v: &v, p }, &mut g);
         if !finite(&g) {
@@ -73,8 +74,7 @@ impl<'a> Form<'a> {
         let first = norm(&g);
         for _ in 0..STEPS {
             let (gu, gv) = self.problem.matrices(At { u: &u, v: &v, p });
-            let matrix = self.mixed(&gu, gv);
-            let factors = Factors::new(&matrix).map_err(|_| SimulateError::Index { time })?;
+            let factors = Factors::new(&gv.with_columns(&gu, &still)).map_err(|_| SimulateError::Index { time })?;
             let mut step = g.clone();
             factors.solve(&mut step);
             if !finite(&step) {
@@ -108,35 +108,6 @@ impl<'a> Form<'a> {
         }
         self.problem.residual(At { u: &u, v: &v, p }, &mut g);
         Err(SimulateError::Inconsistent { residual: norm(&g) / first.max(f64::MIN_POSITIVE) })
-    }
-
-    /// `G_v` with the columns of `G_u` at algebraic unknowns.
-    fn mixed(&self, gu: &Matrix, gv: Matrix) -> Matrix {
-        let mut mixed = gv;
-        match (&mut mixed, gu) {
-            (Matrix::Dense(m), Matrix::Dense(a)) => {
-                for j in (0..a.ncols()).filter(|&j| self.algebraic[j]) {
-                    m.col_mut(j).copy_from(a.col(j));
-                }
-            }
-            (Matrix::Banded(m), Matrix::Banded(a)) => {
-                for i in 0..a.n() {
-                    for (k, j) in a.columns(i).enumerate().filter(|(_, j)| self.algebraic[*j]) {
-                        debug_assert!(m.columns(i).contains(&j));
-                        m.row_mut(i)[k] = a.row(i)[k];
-                    }
-                }
-            }
-            (Matrix::Sparse(m), Matrix::Sparse(a)) => {
-                for j in (0..self.algebraic.len()).filter(|&j| self.algebraic[j]) {
-                    let range = a.pattern.column(j).0;
-                    m.values[range.clone()].copy_from_slice(&a.values[range]);
-                }
-            }
-            // Both have the problem's structure.
-            _ => {}
-        }
-        mixed
     }
 }
 

@@ -31,8 +31,18 @@ fn models_are_listed_and_described() {
     let desk = Desk::new();
     assert!(desk.succeed(&["models"]).starts_with("two-doublet "));
     let text = desk.succeed(&["models", "two-doublet"]);
-    for word in ["functions", "\"uniform\" | \"distal\"", "k_N", "10000", "pN µm⁻²", ">= 0", "s0", "tip_deflection"]
-    {
+    for word in [
+        "functions",
+        "\"minimal\" | \"mixed\"",
+        "elements",
+        "\"uniform\" | \"distal\"",
+        "k_N",
+        "10000",
+        "pN µm⁻²",
+        ">= 0",
+        "s0",
+        "tip_deflection",
+    ] {
         assert!(text.contains(word), "no {word:?} in {text}");
     }
 }

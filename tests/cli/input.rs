@@ -41,6 +41,13 @@ fn unknown_words_are_named_with_those_allowed() {
     refused_with("functions = 10", "function = 10", &["model.function", "did you mean \"functions\"", "load"]);
     refused_with("functions = 10", "load = \"distel\"", &["model.load", "\"uniform\" or \"distal\"", "distel"]);
     refused_with("functions = 10", "functions = 1", &["functions", "a whole number from 2 to 400"]);
+    refused_with("functions = 10", "form = \"foo\"", &["model.form", "\"minimal\" or \"mixed\"", "foo"]);
+    refused_with("functions = 10", "form = \"mixed\"\ndegree = 9", &["degree", "a whole number from 2 to 8", "9"]);
+    refused_with("functions = 10", "form = \"mixed\"\nelements = 0", &["elements", "a whole number from 1 to 1000"]);
+    refused_with("functions = 10", "form = \"mixed\"\ngrading = 0.5", &["grading", "a number from 1 to 10", "0.5"]);
+    refused_with("functions = 10", "form = \"mixed\"\ngrading = \"fine\"", &["grading", "\"fine\""]);
+    refused_with("functions = 10", "functions = 10\nform = \"mixed\"", &["model.functions", "form = \"minimal\""]);
+    refused_with("functions = 10", "elements = 4", &["model.elements", "left out without form = \"mixed\""]);
     refused_with("max_step = 20", "detects = [\"HB\"]", &["detects", "did you mean \"detect\""]);
     refused_with("[\"HB\"]", "[\"HP\"]", &["detect[1]", "\"HP\"", "HB, LP"]);
     refused_with("point = \"beat/UZ1\"", "pont = \"beat/UZ1\"", &["pont", "did you mean \"point\""]);

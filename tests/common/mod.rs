@@ -83,7 +83,11 @@ pub struct Flagellum {
 
 impl Flagellum {
     pub fn new(functions: usize, load: Load, law: Law) -> Self {
-        let problem: Arc<dyn Problem> = Arc::new(Automatic(TwoDoublet::new(functions, load, law)));
+        Self::of(Arc::new(Automatic(TwoDoublet::new(functions, load, law))))
+    }
+
+    /// Any form of the model.
+    pub fn of(problem: Arc<dyn Problem>) -> Self {
         let value = |default: &Default| if let Default::Value(x) = default { *x } else { f64::NAN };
         let p = problem.parameters().iter().map(|parameter| value(&parameter.default)).collect();
         Self { problem, p }.tied()

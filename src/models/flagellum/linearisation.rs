@@ -12,7 +12,8 @@
 //!
 //! where H = -d f_N / d Delta, C integrates from 0, and eps' is the sign of the doublet that is varied.
 
-use super::two_doublet::{EPS, Law, TwoDoublet};
+use super::parameters::{EPS, Groups, Law};
+use super::two_doublet::TwoDoublet;
 use crate::models::rod::{Variation, product, scaled_rows, times};
 use crate::problem::At;
 use faer::reborrow::ReborrowMut;
@@ -115,7 +116,7 @@ pub(super) fn fill(model: &TwoDoublet, at: At, mut gu: MatMut<'_, f64>, mut gv: 
 }
 
 /// H = -d f_N / d Delta, as a matrix from coefficients to Gauss points.
-fn stiffness(model: &TwoDoublet, groups: &super::two_doublet::Groups<f64>, delta: &[f64]) -> Mat<f64> {
+fn stiffness(model: &TwoDoublet, groups: &Groups<f64>, delta: &[f64]) -> Mat<f64> {
     let basis = &model.basis;
     if groups.kappa_3n == 0.0 {
         return scaled_rows(&basis.integrated_value, |_| groups.kappa_n);

@@ -1,6 +1,7 @@
 //! What is measured on a two-doublet motion.
 
-use super::two_doublet::{EPS, Law, TwoDoublet, index};
+use super::parameters::{EPS, Law, index};
+use super::two_doublet::TwoDoublet;
 use crate::models::rod::{line, times};
 use crate::problem::{At, Observable};
 

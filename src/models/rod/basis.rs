@@ -53,12 +53,7 @@ impl Basis {
         let (x, w) = gauss(points);
         let values: Vec<Vec<f64>> = x.iter().map(|&x| angles(functions, turns, x)).collect();
         let value = Mat::from_fn(points, functions, |i, k| values[i][k]);
-        let legendre: Vec<Vec<f64>> = x.iter().map(|&x| legendre(points + 1, x)).collect();
-        let integral = Mat::from_fn(points, points, |i, j| {
-            let (at, from) = (&legendre[i], &legendre[j]);
-            let sum: f64 = (1..points).map(|k| (at[k + 1] - at[k - 1]) * from[k]).sum();
-            w[j] * (x[i] + 0.5 * sum)
-        });
+        let integral = antiderivative(&x, &w);
         let integrated_value = &integral * &value;
         let value_transposed = value.transpose().to_owned();
         let gram = &value_transposed * Mat::from_fn(points, functions, |i, k| w[i] * value[(i, k)]);
@@ -99,34 +94,48 @@ impl Basis {
         g.zip(&self.w).fold(S::from(0.0), |sum, (g, &w)| sum + g * w)
     }
 
-    /// The largest |psi| on [0, 1]: best of a grid finer than the highest mode, then Newton-like refinement by the
-    /// parabola through three points, whose error is far below that of the coefficients.
+    /// The largest |psi| on [0, 1], from a grid finer than the highest mode.
     pub fn largest(&self, c: &[f64]) -> f64 {
-        let value = |x: f64| self.psi(c, x).abs();
-        let cells = 6 * c.len();
-        let best = (0..=cells)
-            .map(|i| i as f64 / cells as f64)
-            .map(|x| (value(x), x))
-            .fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
-        let (mut top, mut x, mut h) = (best.0, best.1, 0.5 / cells as f64);
-        for _ in 0..4 {
-            if x - h < 0.0 || x + h > 1.0 {
-                break;
-            }
-            let (left, right) = (value(x - h), value(x + h));
-            let bend = left - 2.0 * top + right;
-            if bend >= 0.0 {
-                break;
-            }
-            let next = (x + (0.5 * h * (left - right) / bend).clamp(-h, h)).clamp(0.0, 1.0);
-            let at_next = value(next);
-            if at_next > top {
-                (top, x) = (at_next, next);
-            }
-            h *= 0.1;
-        }
-        top
+        peak(|x| self.psi(c, x).abs(), 6 * c.len())
     }
+}
+
+/// The largest of a function's values on [0, 1], not negative: best of a grid of `cells`, then Newton-like refinement by
+/// the parabola through three points, whose error is far below that of the coefficients.
+pub fn peak(value: impl Fn(f64) -> f64, cells: usize) -> f64 {
+    let best = (0..=cells)
+        .map(|i| i as f64 / cells as f64)
+        .map(|x| (value(x), x))
+        .fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
+    let (mut top, mut x, mut h) = (best.0, best.1, 0.5 / cells as f64);
+    for _ in 0..4 {
+        if x - h < 0.0 || x + h > 1.0 {
+            break;
+        }
+        let (left, right) = (value(x - h), value(x + h));
+        let bend = left - 2.0 * top + right;
+        if bend >= 0.0 {
+            break;
+        }
+        let next = (x + (0.5 * h * (left - right) / bend).clamp(-h, h)).clamp(0.0, 1.0);
+        let at_next = value(next);
+        if at_next > top {
+            (top, x) = (at_next, next);
+        }
+        h *= 0.1;
+    }
+    top
+}
+
+/// From values at Gauss points x with weights w to the integral of their interpolant from 0 to each.
+pub fn antiderivative(x: &[f64], w: &[f64]) -> Mat<f64> {
+    let points = x.len();
+    let legendre: Vec<Vec<f64>> = x.iter().map(|&x| legendre(points + 1, x)).collect();
+    Mat::from_fn(points, points, |i, j| {
+        let (at, from) = (&legendre[i], &legendre[j]);
+        let sum: f64 = (1..points).map(|k| (at[k + 1] - at[k - 1]) * from[k]).sum();
+        w[j] * (x[i] + 0.5 * sum)
+    })
 }
 
 /// All functions at x: `q_0(x), q_1(x), ...`, with 1 before them if the rod turns.
@@ -138,7 +147,7 @@ fn angles(functions: usize, turns: bool, x: f64) -> Vec<f64> {
 }
 
 /// Legendre polynomials `P_0 ... P_degree` of 2x - 1.
-fn legendre(degree: usize, x: f64) -> Vec<f64> {
+pub fn legendre(degree: usize, x: f64) -> Vec<f64> {
     let z = 2.0 * x - 1.0;
     let mut p = vec![1.0, z];
     for k in 1..degree.max(1) {
@@ -148,7 +157,7 @@ fn legendre(degree: usize, x: f64) -> Vec<f64> {
 }
 
 /// Gauss-Legendre points and weights on [0, 1], by Newton's method from Chebyshev-like starts.
-fn gauss(n: usize) -> (Vec<f64>, Vec<f64>) {
+pub fn gauss(n: usize) -> (Vec<f64>, Vec<f64>) {
     let (mut x, mut w) = (vec![0.0; n], vec![0.0; n]);
     for i in 0..n {
         let mut z = -((i as f64 + 0.75) / (n as f64 + 0.5) * std::f64::consts::PI).cos();

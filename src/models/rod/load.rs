@@ -19,4 +19,15 @@ impl Load {
             None => vec![one; x.len()],
         }
     }
+
+    /// int_x^1 D at the points x = s/L.
+    pub fn beyond<S: Scalar>(self, x: &[f64], rate: Option<S>) -> Vec<S> {
+        match rate.filter(|_| self == Load::Distal) {
+            Some(rate) => {
+                let (end, decay) = ((-rate).exp(), rate.recip());
+                x.iter().map(|&x| -((-rate * x).exp() - end) * decay + (1.0 - x)).collect()
+            }
+            None => x.iter().map(|&x| S::from(1.0 - x)).collect(),
+        }
+    }
 }

@@ -12,7 +12,7 @@ mod load;
 mod motion;
 mod refinement;
 
-pub use basis::{Basis, times};
+pub use basis::{Basis, antiderivative, gauss, legendre, peak, times};
 pub use forces::{Forces, Push, State, bracket, end, work};
 pub use line::line;
 pub use linearisation::{product, scaled_rows, slopes};

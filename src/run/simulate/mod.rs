@@ -163,7 +163,8 @@ impl Simulation<'_> {
         let events: Vec<Event> = self.task.events.iter().filter_map(|event| self.event(event)).collect();
         let parameters = |t: f64| course.parameters(t);
         // Events by their row, and the one that ends the motion.
-        let (mut happened, mut ended): (Vec<(usize, usize, Motion)>, Option<(usize, Motion)>) = (Vec::new(), None);
+        let mut happened: Vec<(usize, usize, Motion)> = Vec::new();
+        let mut ended: Option<(usize, Motion)> = None;
         let this = &*self;
         let row = |motion: &Motion| {
             let p = course.parameters(motion.t);
