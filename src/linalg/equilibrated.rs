@@ -1,9 +1,9 @@
 //! LU factors of a matrix whose rows and columns are first brought to one size.
 //!
 //! Partial pivoting compares the entries of a column, and so depends on the units of the rows: a border of size one beside
-//! equations of size 1e-18 is always the pivot, and leaves no digits of them. With `S = R A C`, R and C powers of two that give
-//! every column and then every row a largest entry of about one (van der Sluis 1969, doi:10.1007/BF02165096), nothing depends
-//! on units, and scaling itself makes no error.
+//! equations of size 1e-18 is always the pivot, and leaves no digits of them. With `S = R A C`, R and C diagonal, that give every
+//! row and every column a largest entry of about one (Ruiz 2001, RAL-TR-2001-034: all are divided by the root of it, some
+//! times), nothing depends on units; they are powers of two, so that scaling makes no error.
 
 use super::{Lu, Singular};
 use faer::{Mat, MatRef};
@@ -18,8 +18,19 @@ pub struct Equilibrated {
 impl Equilibrated {
     pub fn new(a: MatRef<'_, f64>) -> Result<Self, Singular> {
         let n = a.nrows();
-        let columns: Vec<f64> = (0..n).map(|j| scale((0..n).map(|i| a[(i, j)]))).collect();
-        let rows: Vec<f64> = (0..n).map(|i| scale((0..n).map(|j| a[(i, j)] * columns[j]))).collect();
+        let (mut rows, mut columns) = (vec![1.0; n], vec![1.0; n]);
+        for _ in 0..SWEEPS {
+            let (mut across, mut down) = (vec![0.0_f64; n], vec![0.0_f64; n]);
+            for j in 0..n {
+                for i in 0..n {
+                    let size = (rows[i] * (a[(i, j)] * columns[j])).abs();
+                    across[i] = across[i].max(size);
+                    down[j] = down[j].max(size);
+                }
+            }
+            rows.iter_mut().zip(across).for_each(|(scale, largest)| *scale *= inverse_root(largest));
+            columns.iter_mut().zip(down).for_each(|(scale, largest)| *scale *= inverse_root(largest));
+        }
         let scaled = Mat::from_fn(n, n, |i, j| rows[i] * (a[(i, j)] * columns[j]));
         Ok(Self { lu: Lu::new(scaled.as_ref())?, rows, columns })
     }
@@ -48,11 +59,13 @@ fn times(b: &mut [f64], scales: &[f64]) {
     b.iter_mut().zip(scales).for_each(|(b, s)| *b *= s);
 }
 
-/// The power of two that brings the largest of some numbers to about one; one where all are zero.
-fn scale(numbers: impl Iterator<Item = f64>) -> f64 {
-    let largest = numbers.fold(0.0_f64, |most, x| most.max(x.abs()));
-    let power = (-largest.log2()).round().exp2();
-    if largest > 0.0 && power.is_finite() && power > 0.0 { power } else { 1.0 }
+/// Each brings sizes half way to one, in decades: 1e32 to 10.
+const SWEEPS: usize = 5;
+
+/// The power of two next to `1/sqrt(x)`; one where x is zero.
+fn inverse_root(x: f64) -> f64 {
+    let power = (-0.5 * x.log2()).round().exp2();
+    if x > 0.0 && power.is_finite() && power > 0.0 { power } else { 1.0 }
 }
 
 #[cfg(test)]

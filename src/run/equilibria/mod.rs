@@ -84,10 +84,11 @@ fn follow(
     if detects("BP") {
         branch_points(&system, &mut samples, &signs, counts).into_iter().for_each(|doubt| watch.say(doubt));
     }
-    user_values(&system, &along.values, &mut samples, counts)?;
     if detects("LP") {
         folds(&system, &mut samples, counts)?;
     }
+    // After the folds: next to one the parameter takes a value twice within a step.
+    user_values(&system, &along.values, &mut samples, counts)?;
     let hopf = detects("HB");
     // Detection alone needs the eigenvalues that may cross, not columns for them.
     let wanted = if hopf { task.spectrum.max(4) } else { task.spectrum };
