@@ -14,6 +14,7 @@ Examples:
   hopfline run study.toml                     compute; results go to output/study
   hopfline run study.toml --set parameters.L=14 --set 'task.beat.range=[0, 400]'
   hopfline run problems/*.toml --threads 2 --quiet
+  hopfline run problems/extreme               a folder of scenes, and a table of what came out of each
   hopfline bench onset                        error against run time: the study problems/bench/onset.toml
   hopfline models two-doublet                 its parameters, units, defaults and observables
 
@@ -76,7 +77,7 @@ pub enum Command {
 /// Scenes, and values laid over them.
 #[derive(Clone, Debug, PartialEq, Args)]
 pub struct Scenes {
-    /// Scene files (TOML)
+    /// Scene files (TOML), or folders of them: a suite, with a table of what came out of each
     #[arg(value_name = "SCENE", required = true, value_hint = ValueHint::FilePath)]
     pub scenes: Vec<PathBuf>,
     /// Override one value of every scene given, for instance parameters.L=14; repeat for more

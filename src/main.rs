@@ -6,6 +6,7 @@ use hopfline::run::{self, RunError, RunOptions};
 use hopfline::scene::Scene;
 use std::io::{ErrorKind, Write};
 use std::num::NonZeroUsize;
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 
@@ -46,7 +47,9 @@ fn execute(command: Command) -> Result<bool, RunError> {
         Command::Bench(bench) => return execute_bench(bench),
         Command::Check(check) => {
             for path in &check.input.scenes {
-                print(&run::plan(&Scene::load(path, &check.input.sets)?)?)?;
+                for scene in Scene::load_all(path, &check.input.sets)? {
+                    print(&run::plan(&scene)?)?;
+                }
             }
         }
         Command::Models(models) => match models.name {
@@ -126,26 +129,35 @@ fn execute_bench(arguments: cli::Bench) -> Result<bool, RunError> {
 fn execute_run(arguments: cli::Run) -> Result<bool, RunError> {
     prepare(arguments.threads)?;
     // All scenes are read before the first is run: an error in the last one should not cost an hour.
-    let load = |path: &std::path::PathBuf| Scene::load(path, &arguments.input.sets);
-    let scenes: Vec<Scene> = arguments.input.scenes.iter().map(load).collect::<Result<_, _>>()?;
-    let options = RunOptions {
-        out: arguments.out.clone(),
-        only: arguments.only.clone(),
-        resume: arguments.resume,
-        quiet: arguments.quiet,
-    };
-    for scene in &scenes {
-        run::check(scene, &options.only)?;
+    let batches: Vec<(PathBuf, Vec<Scene>)> = (arguments.input.scenes.iter())
+        .map(|path| Ok((run::results_folder(path, &arguments.out), Scene::load_all(path, &arguments.input.sets)?)))
+        .collect::<Result<_, RunError>>()?;
+    for scene in batches.iter().flat_map(|(_, scenes)| scenes) {
+        run::check(scene, &arguments.only)?;
     }
     let mut success = true;
-    for scene in &scenes {
-        // A scene that is not begun keeps what an earlier run left of it.
-        if run::INTERRUPTED.load(Ordering::Relaxed) {
-            return Ok(false);
+    for ((out, scenes), path) in batches.iter().zip(&arguments.input.scenes) {
+        let options = RunOptions {
+            out: out.clone(),
+            only: arguments.only.clone(),
+            resume: arguments.resume,
+            quiet: arguments.quiet,
+        };
+        let mut cases = Vec::new();
+        for scene in scenes {
+            // A scene that is not begun keeps what an earlier run left of it.
+            if run::INTERRUPTED.load(Ordering::Relaxed) {
+                return Ok(false);
+            }
+            let summary = run::run(scene, &options)?;
+            print(&summary.table(&out.join(&scene.name).display().to_string()))?;
+            success &= summary.success();
+            cases.push(run::Case::new(scene, &summary));
         }
-        let summary = run::run(scene, &options)?;
-        print(&summary.table(&options.out.join(&scene.name).display().to_string()))?;
-        success &= summary.success();
+        if path.is_dir() {
+            print(&format!("\n{}", run::case_table(&cases)))?;
+            run::store_cases(out, &cases)?;
+        }
     }
     Ok(success)
 }

@@ -78,7 +78,7 @@ fn exceptional<F: Formula + 'static>(formula: F, (low, high): (f64, f64), logari
     };
     let mut samples: Vec<Sample> = (0..=20).map(|k| Sample::new(point(k), None)).collect();
     let mut counts = Counts::default();
-    let tool = Spectra::new(&system, dim, &mut samples, &mut counts).unwrap();
+    let tool = Spectra::new(&system, dim, &|| false, &mut samples, &mut counts).unwrap();
     tool.follow(&mut samples, &mut counts).unwrap();
     let marked = samples.iter().filter_map(|sample| match sample.mark {
         Some(Mark::Exceptional(mean)) => Some((coordinate.value(sample.point.lambda), mean.re)),

@@ -209,7 +209,7 @@ fn hopf_points_of_a_long_chain() {
             break;
         }
     }
-    let tool = Spectra::new(&still, 4, &mut samples, &mut counts).unwrap();
+    let tool = Spectra::new(&still, 4, &|| false, &mut samples, &mut counts).unwrap();
     // The skew part is 5.45 + A^2 at most, and the discs reach as far.
     let reach = tool.reach.unwrap();
     assert!(reach.complete && reach.covered >= reach.bound.unwrap() && reach.bound.unwrap() > 2.1, "{reach:?}");

@@ -13,7 +13,7 @@
 //! quadratically to rounding. Second derivatives are exact.
 
 use super::multilinear::Complex;
-use crate::linalg::{BorderedPencil, Factors, Singular, c64};
+use crate::linalg::{BorderedPencil, Factors, Matrix, Singular, c64};
 use crate::problem::{At, Direction, Problem};
 use thiserror::Error;
 
@@ -27,8 +27,13 @@ pub struct Hopf {
     pub w: Vec<c64>,
     /// d sigma / dp along the branch of equilibria, p being the free parameter.
     pub slope: c64,
-    /// The last Newton step in p and omega: what rounding leaves open (residual times condition).
+    /// The last Newton steps in p and omega: what rounding leaves open (residual times condition).
     pub rounding: (f64, f64),
+    /// Relative perturbations delta of all entries of G_u and G_v move the eigenvalue i omega by at most
+    /// `condition delta omega` to first order,
+    /// `condition = |w|^T (|G_u| + omega |G_v|) |q| / (omega |w^H M q|)` (Higham and Higham 1998,
+    /// doi:10.1137/S0895479896313188): large where the eigenvectors are far from orthogonal.
+    pub condition: f64,
 }
 
 #[derive(Debug, Error, PartialEq)]
@@ -40,6 +45,8 @@ pub enum HopfError {
 }
 
 const MOST_STEPS: usize = 25;
+/// Relative steps below this that shrink no more are rounding: short waves in stiff springs leave eight digits.
+const NOISE: f64 = 1e-6;
 
 impl Hopf {
     /// Solves for a Hopf point near (u, p, omega, q) with `p[free]` unknown.
@@ -59,6 +66,7 @@ impl Hopf {
             w: q.to_vec(),
             slope: c64::new(0.0, 0.0),
             rounding: (f64::INFINITY, f64::INFINITY),
+            condition: f64::NAN,
         };
         let mut size_p = p[free].abs();
         let mut last = f64::INFINITY;
@@ -78,11 +86,16 @@ impl Hopf {
             }
             hopf.p[free] += dp;
             hopf.omega += domega;
+            let before = hopf.rounding;
             hopf.rounding = (dp.abs(), domega.abs());
             size_p = size_p.max(hopf.p[free].abs()).max(f64::MIN_POSITIVE);
             let size = (dp / size_p).abs().max((domega / hopf.omega).abs());
-            // Rounding is reached when steps stop shrinking.
-            if size < 1e-15 || (size < 1e-9 && step > 1 && size > 0.3 * last) {
+            // Rounding is reached when steps stop shrinking; both are samples of it then.
+            let noise = size < NOISE && step > 1 && size > 0.3 * last;
+            if noise {
+                hopf.rounding = (hopf.rounding.0.max(before.0), hopf.rounding.1.max(before.1));
+            }
+            if size < 1e-15 || noise {
                 return hopf.normalised(problem, free);
             }
             if !size.is_finite() {
@@ -90,7 +103,7 @@ impl Hopf {
             }
             last = size;
         }
-        if last < 1e-9 { hopf.normalised(problem, free) } else { Err(HopfError::Diverged(last)) }
+        if last < NOISE { hopf.normalised(problem, free) } else { Err(HopfError::Diverged(last)) }
     }
 
     /// The same point with its slope along another parameter.
@@ -110,7 +123,18 @@ impl Hopf {
         self.slope = -frame.along(&frame.du_dp, 1.0, problem, &self, free) / frame.mass;
         self.q = frame.q.iter().map(|z| z * turn).collect();
         self.w = frame.w.iter().map(|z| z / product.conj()).collect();
+        self.condition = self.sensitivity(problem);
         Ok(self)
+    }
+
+    /// The condition of the eigenvalue, for vectors with `w^H M q = 1`.
+    fn sensitivity(&self, problem: &dyn Problem) -> f64 {
+        let rest = vec![0.0; problem.dim()];
+        let (gu, gv) = problem.matrices(At { u: &self.u, v: &rest, p: &self.p });
+        let moved = |matrix: Matrix| -> f64 {
+            matrix.entries().into_iter().map(|(i, j, x)| self.w[i].norm() * x.abs() * self.q[j].norm()).sum()
+        };
+        moved(gu) / self.omega.abs() + moved(gv)
     }
 }
 

@@ -10,7 +10,7 @@
 
 use super::elimination::Elimination;
 use super::factors::{Base, Factors, PencilFactors};
-use super::{Bordered, Lu, Matrix, Singular, c64, dot};
+use super::{Bordered, Equilibrated, Matrix, Singular, c64, dot};
 use faer::Mat;
 
 /// A factored real bordered matrix; it may be regular where A itself is singular.
@@ -19,7 +19,7 @@ pub struct BorderedMatrix {
 }
 
 enum Form {
-    Whole(Lu<f64>),
+    Whole(Equilibrated),
     Blocks(Box<Blocks>),
 }
 
@@ -45,7 +45,7 @@ impl BorderedMatrix {
             (false, true) => c[i - n][j],
             (false, false) => d[i - n][j - n],
         });
-        Ok(Self { form: Form::Whole(Lu::new(full.as_ref())?) })
+        Ok(Self { form: Form::Whole(Equilibrated::new(full.as_ref())?) })
     }
 
     /// `[f; g]` in, `[x; y]` out.
@@ -59,7 +59,7 @@ impl BorderedMatrix {
     /// The same with the transpose.
     pub fn solve_transposed(&self, fg: &mut [f64]) {
         match &self.form {
-            Form::Whole(lu) => lu.solve_adjoint(fg),
+            Form::Whole(lu) => lu.solve_transposed(fg),
             Form::Blocks(blocks) => blocks.solve(fg, true),
         }
     }

@@ -10,7 +10,7 @@
 //! Sautois 2008, doi:10.1016/j.physd.2008.06.006, for the extension.)
 
 use super::{ModelError, Options};
-use crate::problem::{At, Automatic, Bounds, Default, Formula, Observable, Parameter, Problem, Scalar};
+use crate::problem::{At, Automatic, Bounds, Formula, Observable, Parameter, Problem, Scalar};
 use std::sync::Arc;
 
 /// The model; all numbers are pure.
@@ -27,13 +27,7 @@ const OBSERVABLES: &[Observable] = &[
 
 impl Lorenz84 {
     pub fn build(_: &Options) -> Result<Arc<dyn Problem>, ModelError> {
-        let make = |name, value, meaning| Parameter {
-            name,
-            default: Default::Value(value),
-            unit: "",
-            meaning,
-            bounds: Bounds::Any,
-        };
+        let make = |name, value, meaning| Parameter::new(name, value, "", Bounds::Any, meaning);
         let parameters = vec![
             make("alpha", 0.25, "damping of the current"),
             make("beta", 1.0, "displacement of eddies"),

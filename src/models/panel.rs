@@ -10,9 +10,7 @@
 
 use super::rod::{Basis, finer, times};
 use super::{ModelError, Options};
-use crate::problem::{
-    At, Automatic, Bounds, Default, Formula, Observable, Parameter, Problem, Refinement, Reflection, Scalar,
-};
+use crate::problem::{At, Automatic, Bounds, Formula, Observable, Parameter, Problem, Refinement, Reflection, Scalar};
 use faer::Mat;
 use std::sync::Arc;
 
@@ -47,13 +45,7 @@ impl Panel {
 
     pub fn new(functions: usize) -> Self {
         use Bounds::{Any, NonNegative};
-        let make = |name, value, bounds, meaning| Parameter {
-            name,
-            default: Default::Value(value),
-            unit: "",
-            meaning,
-            bounds,
-        };
+        let make = |name, value, bounds, meaning| Parameter::new(name, value, "", bounds, meaning);
         let parameters = vec![
             make("lambda", 0.0, NonNegative, "dynamic pressure rho_inf U^2 a^3 / (M D)"),
             make("g", 0.0, NonNegative, "aerodynamic damping; sqrt(lambda mu/M) by piston theory"),

@@ -24,8 +24,8 @@ use super::condensation::{Condensed, Forwarded, Interval, Reach};
 use super::shape::add_drift;
 use super::turning::turned;
 use super::{FloquetError, Multipliers, Orbit, Points, Scheme, Transitions, adapted, multipliers};
-use crate::continuation::{Border, Factored, Point, System};
-use crate::linalg::{Lu, Matrix, Singular};
+use crate::continuation::{Border, Factored, Point, System, inner};
+use crate::linalg::{Equilibrated, Matrix, Singular};
 use crate::problem::{At, Direction, Problem, Reflection, Rotation};
 use faer::{Mat, MatRef};
 use rayon::prelude::*;
@@ -42,7 +42,7 @@ pub struct Frame {
     pub symmetry: Reflection,
     /// The period over P: 1 or 2.
     pub parts: usize,
-    /// Sizes of a state, a period and a parameter that count as one in arclength.
+    /// Sizes of a state, a period (at first) and a parameter that count as one in arclength.
     pub scale_state: f64,
     pub scale_part: f64,
     pub scale_lambda: f64,
@@ -105,6 +105,13 @@ impl Collocation {
     /// Intervals that one thread takes at least: less work than some ten microseconds is not worth sharing.
     fn grain(&self) -> usize {
         (200_000 / (self.n() * self.scheme.degree).pow(3)).max(1)
+    }
+
+    /// The period that counts as one in arclength: the frame's, doubled until the reference's is less than twice that, so
+    /// that a period which grows by orders of magnitude does not slow the walk down.
+    fn scale_part(&self) -> f64 {
+        let ratio = self.reference.part / self.frame.scale_part;
+        self.frame.scale_part * ratio.max(1.0).log2().floor().exp2()
     }
 
     fn intervals(&self) -> usize {
@@ -299,9 +306,10 @@ impl System for Collocation {
         let (n, scale) = (self.n(), self.frame.scale_state.powi(-2));
         let (nodes, rest) = t.split_at(t.len() - 1 - self.drifts());
         let mut row: Vec<f64> = nodes.iter().enumerate().map(|(i, t)| scale * self.weights[i / n] * t).collect();
-        row.push(rest[0] / self.frame.scale_part.powi(2));
+        let period = self.scale_part().powi(2);
+        row.push(rest[0] / period);
         // A velocity counts as one that turns by one in P.
-        row.extend(rest[1..].iter().map(|c| c * self.frame.scale_part.powi(2)));
+        row.extend(rest[1..].iter().map(|c| c * period));
         row
     }
 
@@ -312,6 +320,7 @@ impl System for Collocation {
     /// Moves the mesh where the error is spread too unevenly, and takes the point as phase reference.
     fn prepare(&mut self, point: &mut Point) -> bool {
         let orbit = self.orbit(&point.x);
+        let scale = self.scale_part();
         if let Some(mesh) = adapted(&orbit, &self.scheme, &self.frame.symmetry, self.tolerance) {
             let moved = orbit.interpolated(&mesh, self.scheme.degree);
             let tangent = self.orbit(&point.tangent).interpolated(&mesh, self.scheme.degree);
@@ -321,7 +330,15 @@ impl System for Collocation {
             true
         } else {
             self.refer_to(&orbit);
-            false
+            if self.scale_part() == scale {
+                return false;
+            }
+            // The metric has changed: the tangent's length is one again.
+            let along = (&point.tangent[..], point.tangent_lambda);
+            let length = inner(self, along, along).sqrt();
+            point.tangent.iter_mut().for_each(|t| *t /= length);
+            point.tangent_lambda /= length;
+            true
         }
     }
 }
@@ -330,7 +347,7 @@ impl System for Collocation {
 pub struct OrbitFactors {
     condensed: Condensed,
     /// `(x_0, P, c_1, ..., c_K, lambda)`: n condensed rows, the phase rows, the border.
-    ends: Lu<f64>,
+    ends: Equilibrated,
     symmetry: Reflection,
     parts: usize,
     drifts: usize,
@@ -367,7 +384,7 @@ impl OrbitFactors {
                 ends[(n + k, n + s)] = z + if k + 1 == count { direct[s] } else { 0.0 };
             }
         }
-        let ends = Lu::new(ends.as_ref())?;
+        let ends = Equilibrated::new(ends.as_ref())?;
         Ok(Self { condensed, ends, symmetry: frame.symmetry.clone(), parts: frame.parts, drifts: turns.len() })
     }
 

@@ -32,6 +32,19 @@ pub struct Parameter {
     pub bounds: Bounds,
 }
 
+impl Parameter {
+    /// With a number as default.
+    pub const fn new(
+        name: &'static str,
+        value: f64,
+        unit: &'static str,
+        bounds: Bounds,
+        meaning: &'static str,
+    ) -> Self {
+        Self { name, default: Default::Value(value), unit, meaning, bounds }
+    }
+}
+
 /// A parameter's value when a scene says nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Default {

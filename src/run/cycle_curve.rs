@@ -10,7 +10,7 @@ use super::stored_cycle::StoredCycle;
 use super::study::Prepared;
 use super::watch::Watch;
 use crate::bifurcation::Locus;
-use crate::branch::{Array, Branch, BranchKind, Kind, Row, SpecialPoint};
+use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Counts, Point};
 use crate::orbit::bifurcations::{Critical, CriticalCycle, CycleCurve, CycleNormalForm, CycleSegment, CycleTest};
 use crate::orbit::{Collocation, Orbit};
@@ -67,7 +67,7 @@ pub fn empty(prepared: &Prepared, name: &str, (task, kind): (&scene::Curve, Cycl
     let mut branch = branch(prepared, name, (of, task), own);
     if task.along.errors {
         let named = branch.columns.iter().filter(|column| !column.name.starts_with("log10 "));
-        let errors: Vec<_> = named.cloned().map(|column| column.error()).collect();
+        let errors: Vec<_> = named.map(Column::error).collect();
         branch.columns.extend(errors);
     }
     branch

@@ -10,7 +10,7 @@ use super::equilibria::{self, Origin};
 use super::outcome::{Outcome, Status};
 use super::resume::Keeper;
 use super::study::Prepared;
-use super::watch::{Watch, interrupted};
+use super::watch::Watch;
 use crate::bifurcation::{SAME, deflated, distance};
 use crate::branch::{Kind, SpecialPoint};
 use crate::continuation::Counts;
@@ -93,7 +93,7 @@ impl Explorer<'_> {
         while let Some(planned) = self.queue.pop_front() {
             let full = self.outcomes.len() >= self.task.max_branches;
             let stopped = self.outcomes.last().is_some_and(|outcome| outcome.status == Status::Interrupted);
-            if full || stopped || interrupted() {
+            if full || stopped || self.watch.stopped() {
                 self.queue.clear();
                 return;
             }

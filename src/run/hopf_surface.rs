@@ -4,7 +4,7 @@ use super::equilibria::error;
 use super::outcome::{Outcome, Status};
 use super::start::{StartError, Stored, coordinate};
 use super::study::Prepared;
-use super::watch::{Watch, interrupted};
+use super::watch::Watch;
 use crate::bifurcation::{Coordinate, Hopf, HopfError, HopfNormalForm, HopfSurface};
 use crate::branch::{Branch, BranchKind, Column, Row, SpecialPoint};
 use crate::continuation::{Bound, Chart, Cover, CoverControl, Failure};
@@ -124,7 +124,7 @@ impl Tool<'_> {
         let most = self.task.along.max_points;
         let stopped = loop {
             self.watch.at(cover.charts.len() as f64 / most as f64, format!("{} points", cover.charts.len()));
-            if interrupted() {
+            if self.watch.stopped() {
                 break Some((Status::Interrupted, "interrupted"));
             }
             if cover.charts.len() >= most {
@@ -138,7 +138,7 @@ impl Tool<'_> {
         let mut samples = Vec::with_capacity(cover.charts.len());
         for charts in cover.charts.chunks(BATCH) {
             // After Ctrl-C what was found is still to be stored, but without estimates of its errors.
-            let refined = self.refined.as_ref().filter(|_| !interrupted());
+            let refined = self.refined.as_ref().filter(|_| !self.watch.stopped());
             samples.par_extend(charts.par_iter().map(|chart| self.sample(chart, &ends, refined)));
             self.watch.at(samples.len() as f64 / cover.charts.len() as f64, format!("{} normal forms", samples.len()));
         }

@@ -4,7 +4,7 @@
 use super::outcome::{Outcome, Status, joined, labels};
 use super::start::StartError;
 use super::study::Prepared;
-use super::watch::{Watch, interrupted};
+use super::watch::Watch;
 use crate::bifurcation::{Locus, Segment, reverse};
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Counts, Failure, Point, StepControl, Stop, Walk};
@@ -265,7 +265,7 @@ impl<F: Followed> Following<'_, F> {
         let mut walk = Walk::new(&mut curve, start, control, (low, high));
         let mut way = Way::nowhere("", Status::Done);
         (way.status, way.reason) = loop {
-            if interrupted() {
+            if self.watch.stopped() {
                 break (Status::Interrupted, Stop::Interrupted.to_string());
             }
             if way.samples.len() >= most {

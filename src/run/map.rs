@@ -6,7 +6,7 @@
 use super::equilibria::{error, rates};
 use super::outcome::{Outcome, Status};
 use super::study::Prepared;
-use super::watch::{Watch, interrupted};
+use super::watch::Watch;
 use crate::bifurcation::{Leading, Line};
 use crate::branch::{Branch, BranchKind, Column, Row};
 use crate::continuation::{Counts, Stop};
@@ -133,7 +133,7 @@ impl Map<'_> {
         let mut status = Status::Done;
         let batch = BATCH * rayon::current_num_threads();
         for (k, seeds) in seeds.chunks(batch).enumerate() {
-            if interrupted() {
+            if watch.stopped() {
                 status = Status::Interrupted;
                 break;
             }

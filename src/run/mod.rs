@@ -25,6 +25,7 @@ mod simulate;
 mod start;
 mod stored_cycle;
 mod study;
+mod suite;
 mod summary;
 mod template;
 mod watch;
@@ -37,6 +38,7 @@ pub use figures::redraw;
 pub use gallery::{gallery, section};
 pub use import::import;
 pub use plan::plan;
+pub use suite::{Case, folder as results_folder, store as store_cases, table as case_table};
 pub use summary::{Expected, Summary};
 pub use template::template;
 pub use watch::INTERRUPTED;
@@ -141,9 +143,9 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
     let start = Instant::now();
     let ready = ready(scene, &options.only)?;
     let folder = Folder::open(&options.out, &scene.name)?;
-    let watch = Watch::new(options.quiet);
-    // The scene, wherever its file lies.
-    let identity = format!("{:?}", Scene { path: PathBuf::new(), ..scene.clone() });
+    let watch = Watch::new(options.quiet, scene.budget);
+    // The scene, wherever its file lies and however long it may take.
+    let identity = format!("{:?}", Scene { path: PathBuf::new(), budget: None, ..scene.clone() });
     let keeper = Keeper::new(folder.path("resume"), identity, options.resume);
     if !options.resume {
         folder.clear(ready.tasks.iter().map(|(task, _)| task.name.as_str()))?;
@@ -177,14 +179,17 @@ impl Ready<'_> {
         let mut outcomes: Vec<Outcome> = Vec::new();
         for (task, prepared) in &self.tasks {
             watch.task(&task.name);
-            let found = match keeper.finished(&task.name) {
+            let mut found = match keeper.finished(&task.name) {
                 Some(found) => found,
                 None => perform((task, home), prepared, &outcomes, keeper, watch),
             };
             if found.iter().all(|outcome| outcome.status == Status::Done) {
                 keeper.finish(&task.name, &found);
             }
-            for outcome in &found {
+            for outcome in &mut found {
+                if let (Status::Interrupted, Some(spent)) = (outcome.status, watch.spent()) {
+                    outcome.reason = spent;
+                }
                 watch.say(format!("{}: {:?}, {}", outcome.branch.name, outcome.status, outcome.reason));
                 store(&outcome.branch)?;
             }

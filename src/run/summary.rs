@@ -30,6 +30,8 @@ pub struct TaskLine {
     pub kind: BranchKind,
     pub status: Status,
     pub reason: String,
+    /// Whether the task ended as the scene expects: done, or for the reason that it names.
+    pub as_expected: bool,
     pub seconds: f64,
     pub points: usize,
     pub counts: Counts,
@@ -62,6 +64,27 @@ pub struct Expected {
     pub expected: f64,
     pub tolerance: f64,
     pub met: bool,
+    /// What was printed as the number's error.
+    pub error: Option<f64>,
+}
+
+impl Expected {
+    /// What errors are relative to.
+    pub fn scale(&self) -> f64 {
+        if self.expected == 0.0 { 1.0 } else { self.expected.abs() }
+    }
+
+    /// How far the number is off, relatively unless zero is expected.
+    pub fn distance(&self) -> Option<f64> {
+        self.value.map(|value| (value - self.expected).abs() / self.scale())
+    }
+
+    /// Whether the number is within its printed error, or off by no more than the rounding of a few operations.
+    pub fn right(&self) -> bool {
+        let rounding = 4.0 * f64::EPSILON * self.expected.abs();
+        let allowed = self.error.unwrap_or(0.0).max(rounding);
+        self.value.is_some_and(|value| (value - self.expected).abs() <= allowed)
+    }
 }
 
 impl Summary {
@@ -71,6 +94,10 @@ impl Summary {
             kind: outcome.branch.kind,
             status: outcome.status,
             reason: outcome.reason.clone(),
+            as_expected: match scene.ends.get(&outcome.branch.name).filter(|_| !scene.overridden) {
+                Some(reason) => outcome.reason.contains(reason.as_str()),
+                None => outcome.status == Status::Done,
+            },
             seconds: outcome.seconds,
             points: outcome.branch.rows.len(),
             counts: outcome.counts,
@@ -104,7 +131,8 @@ impl Summary {
                 let scale = if e.value == 0.0 { 1.0 } else { e.value.abs() };
                 let met = value.is_some_and(|v| (v - e.value).abs() <= e.tolerance * scale);
                 let key = format!("{}.{}", e.label, e.quantity);
-                Expected { key, value, expected: e.value, tolerance: e.tolerance, met }
+                let error = point.and_then(|p| p.errors.get(&e.quantity).copied());
+                Expected { key, value, expected: e.value, tolerance: e.tolerance, met, error }
             })
             .collect();
         Self {
@@ -133,9 +161,9 @@ impl Summary {
             .map_err(|e| RunError::Input(format!("{} is not the summary of a run: {e}", path.display())))
     }
 
-    /// Whether every task was done and every expectation met.
+    /// Whether every task ended as expected and every expectation was met.
     pub fn success(&self) -> bool {
-        self.tasks.iter().all(|task| task.status == Status::Done) && self.expect.iter().all(|e| e.met)
+        self.tasks.iter().all(|task| task.as_expected) && self.expect.iter().all(|e| e.met)
     }
 
     /// What the run found, for people.
@@ -146,6 +174,7 @@ impl Summary {
             let status = match task.status {
                 Status::Done => "done",
                 Status::Interrupted => "interrupted",
+                Status::Failed if task.as_expected => "stopped as expected",
                 Status::Failed => "FAILED",
             };
             let done = [(task.counts.factorisations, "factorisations"), (task.counts.spectra, "spectra")];

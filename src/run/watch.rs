@@ -12,21 +12,34 @@ pub fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)
 }
 
-/// Progress and log of a run.
+/// Progress and log of a run, and when it has to stop.
 pub struct Watch {
     bar: ProgressBar,
     log: Mutex<Vec<String>>,
     start: Instant,
+    /// Seconds that the run may take.
+    budget: Option<f64>,
 }
 
 impl Watch {
     /// A bar on a terminal (indicatif hides it in a pipe), nothing if `quiet`.
-    pub fn new(quiet: bool) -> Self {
+    pub fn new(quiet: bool, budget: Option<f64>) -> Self {
         let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(1000) };
         if let Ok(style) = ProgressStyle::with_template("{prefix:>14} [{bar:30}] {msg}") {
             bar.set_style(style.progress_chars("=> "));
         }
-        Self { bar, log: Mutex::new(Vec::new()), start: Instant::now() }
+        Self { bar, log: Mutex::new(Vec::new()), start: Instant::now(), budget }
+    }
+
+    /// Whether tasks are to stop after the current point.
+    pub fn stopped(&self) -> bool {
+        interrupted() || self.spent().is_some()
+    }
+
+    /// That the budget is spent, in a sentence.
+    pub fn spent(&self) -> Option<String> {
+        let budget = self.budget.filter(|budget| self.start.elapsed().as_secs_f64() > *budget)?;
+        Some(format!("the budget of {budget} s is spent"))
     }
 
     pub fn task(&self, name: &str) {

@@ -158,16 +158,18 @@ fn variants(base: &Base<'_>, section: &Section<'_>, point: &str) -> Result<Vec<V
     let mut lists: Vec<Vec<Change<'_>>> = Vec::new();
     for (key, entry) in table.entries() {
         let items = entry.list("a list of values, from coarse to fine")?;
+        if items.is_empty() {
+            return Err(entry.error(Fault::Empty { expected: "at least one value, from coarse to fine".to_owned() }));
+        }
         if let Some(first) = lists.first().filter(|first| first.len() != items.len()) {
             let allowed = format!("{} values, as many as in the list before it", first.len());
             return Err(entry.error(Fault::OutOfBounds { found: format!("a list of {}", items.len()), allowed }));
         }
         lists.push(items.into_iter().map(|item| change(key, item)).collect::<Result<_, _>>()?);
     }
-    let count = lists.first().map_or(0, Vec::len);
-    if count == 0 {
-        return Err(vary.error(Fault::Empty { expected: "at least one value, as in ".to_owned() + example }));
-    }
+    let Some(count) = lists.first().map(Vec::len) else {
+        return Err(vary.error(Fault::Empty { expected: "at least one key, as in ".to_owned() + example }));
+    };
     let variant = |k: usize| {
         let all: Vec<&Change<'_>> = fixed.iter().chain(lists.iter().map(|list| &list[k])).collect();
         base.variant(&all, lists.len(), point)

@@ -106,7 +106,7 @@ pub enum Fault {
     #[error("the value is not valid TOML: {message}")]
     Value { message: String },
     #[error(
-        "{key} cannot be overridden; allowed: title, model.KEY, parameters.NAME, task.NAME.KEY, figure.NAME.KEY (names stay as they are)"
+        "{key} cannot be overridden; allowed: title, budget, model.KEY, parameters.NAME, task.NAME.KEY, figure.NAME.KEY (names stay as they are)"
     )]
     NotOverridable { key: String },
     /// In a text inside the scene, at that line and column of the file.

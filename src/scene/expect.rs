@@ -3,6 +3,22 @@
 use super::entry::Section;
 use super::label::{self, Announced};
 use super::{Expectation, SceneError, Task};
+use std::collections::BTreeMap;
+
+/// `beat.ends = "no step of at least"`: how tasks are expected to end, by their names.
+pub(super) fn ends(root: &Section<'_>, tasks: &[Task]) -> Result<BTreeMap<String, String>, SceneError> {
+    let mut ends = BTreeMap::new();
+    let Some(entry) = root.get("expect") else { return Ok(ends) };
+    for (name, entry) in entry.section("a section, [expect]")?.entries() {
+        if tasks.iter().any(|task| task.name == name) {
+            let section = entry.section("a table, TASK.ends = \"part of the reason\"")?;
+            section.allow("key", &["ends"])?;
+            let reason = section.need("ends", "ends = \"part of the reason\"")?.text()?;
+            ends.insert(name.to_owned(), reason.to_owned());
+        }
+    }
+    Ok(ends)
+}
 
 /// `"straight/HB1".p = { value = ..., tolerance = ... }`
 pub(super) fn read(
@@ -16,6 +32,9 @@ pub(super) fn read(
         return Ok(expectations);
     };
     for (label, entry) in entry.section("a section, [expect]")?.entries() {
+        if tasks.iter().any(|task| task.name == label) {
+            continue;
+        }
         label::check(label, tasks, announced).map_err(|fault| entry.error(fault))?;
         for (quantity, entry) in entry.section(EXPECTED)?.entries() {
             let section = entry.section(EXPECTED)?;

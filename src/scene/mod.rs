@@ -47,11 +47,17 @@ pub struct Scene {
     /// The file's stem: names the output folder.
     pub name: String,
     pub title: String,
+    /// Seconds that a run may take: then it stops after the current point, as if interrupted.
+    pub budget: Option<f64>,
+    /// What limits its accuracy or reach, in words, for the table of a suite.
+    pub limit: String,
     pub model: ModelChoice,
     pub parameters: Vec<Setting>,
     pub tasks: Vec<Task>,
     pub figures: Vec<Figure>,
     pub expect: Vec<Expectation>,
+    /// Tasks that are expected to end otherwise than done, and a part of the reason: `beat.ends = "no step of at least"`.
+    pub ends: BTreeMap<String, String>,
     /// What `hopfline bench` does with the scene.
     pub bench: Option<Bench>,
     /// The `--set` arguments laid over the file, as given.

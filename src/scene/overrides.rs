@@ -15,7 +15,7 @@ pub(super) struct Override {
 /// Longest path; `task.beat.values.p` has four parts.
 const MAX_PARTS: usize = 8;
 
-const ROOTS: [&str; 5] = ["title", "model", "parameters", "task", "figure"];
+const ROOTS: [&str; 6] = ["title", "budget", "model", "parameters", "task", "figure"];
 
 impl Override {
     pub fn parse(argument: &str) -> Result<Override, SceneError> {
@@ -95,7 +95,7 @@ fn path(key: &str) -> Result<Vec<String>, Fault> {
 fn check_path(path: &[&str]) -> Result<(), Fault> {
     match path {
         _ if path.len() > MAX_PARTS => Err(Fault::NotOverridable { key: path.join(".") }),
-        ["title"] | ["model" | "parameters", _, ..] => Ok(()),
+        ["title" | "budget"] | ["model" | "parameters", _, ..] => Ok(()),
         ["task" | "figure", _, key, ..] if *key != "name" => Ok(()),
         [root, ..] if !ROOTS.contains(root) && *root != "expect" => Err(Fault::unknown("section", root, ROOTS)),
         _ => Err(Fault::NotOverridable { key: path.join(".") }),

@@ -1,7 +1,7 @@
 //! Reading a whole scene.
 
-use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 use super::entry::{Section, Source};
 use super::label::{Announced, is_name, owned};
@@ -10,13 +10,30 @@ use super::{
     Fault, Figure, Place, Scene, SceneError, Task, TaskKind, bench, expect, figure, model, parameters, task, tree,
 };
 
-const SECTIONS: [&str; 7] = ["title", "model", "parameters", "task", "figure", "expect", "bench"];
+const SECTIONS: [&str; 9] = ["title", "budget", "limit", "model", "parameters", "task", "figure", "expect", "bench"];
 
 impl Scene {
     /// Reads a scene file and lays `--set KEY=VALUE` arguments over it.
     pub fn load(path: &Path, sets: &[String]) -> Result<Scene, SceneError> {
         let text = fs::read_to_string(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
         Scene::parse(&text, path, sets)
+    }
+
+    /// Reads a scene file, or all scenes (`*.toml`) of a folder in the order of their names.
+    pub fn load_all(path: &Path, sets: &[String]) -> Result<Vec<Scene>, SceneError> {
+        if !path.is_dir() {
+            return Ok(vec![Scene::load(path, sets)?]);
+        }
+        let refuse = |source| SceneError::Read { path: path.to_owned(), source };
+        let entries: io::Result<Vec<PathBuf>> =
+            fs::read_dir(path).and_then(|entries| entries.map(|entry| entry.map(|e| e.path())).collect());
+        let mut files = entries.map_err(refuse)?;
+        files.retain(|file| file.extension().is_some_and(|extension| extension == "toml"));
+        files.sort();
+        if files.is_empty() {
+            return Err(refuse(io::Error::other("a folder without scenes (*.toml)")));
+        }
+        files.iter().map(|file| Scene::load(file, sets)).collect()
     }
 
     /// Reads a scene from text; `path` names it in messages and gives it its name.
@@ -45,10 +62,13 @@ pub(super) fn read(root: &Section<'_>, overridden: bool) -> Result<Scene, SceneE
             None => name.clone(),
         },
         name,
+        limit: root.get("limit").map(|entry| entry.text()).transpose()?.unwrap_or_default().to_owned(),
+        budget: root.get("budget").map(|entry| entry.positive()).transpose()?,
         model: model::read(root)?,
         parameters: parameters::read(root)?,
         figures: figures(root, &tasks, &announced)?,
         expect: expect::read(root, &tasks, &announced)?,
+        ends: expect::ends(root, &tasks)?,
         bench: bench::read(root, &tasks, &announced)?,
         tasks,
         sets: root.source.sets.to_vec(),

@@ -149,6 +149,11 @@ fn recognise(list: &[Return], control: &Control, size: f64) -> Option<Cycle> {
         if extent <= NOISE * control.absolute * size {
             continue;
         }
+        // What repeats after fewer crossings already, but for the integrator's errors, goes round several times in q.
+        let noise = NOISE * allowed * extent;
+        if (1..q).any(|fewer| q % fewer == 0 && gap(list, k, fewer) <= noise) {
+            continue;
+        }
         let gap = |k: usize| gap(list, k, q);
         let (now, before) = (gap(k), gap(k - q));
         let ratio = if before > 0.0 { now / before } else { 0.0 };

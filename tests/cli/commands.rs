@@ -165,3 +165,37 @@ fn the_gallery_shows_what_was_run() {
     let refused = desk.hopfline(&["gallery", "nowhere"]);
     assert!(refused.code == Some(2) && refused.stderr.contains("nowhere"), "{}", refused.stderr);
 }
+
+/// Scenes of a folder run in the order of their names; a table of what came out of them is printed and stored.
+#[test]
+fn a_folder_of_scenes_is_a_suite() {
+    let desk = Desk::new();
+    let scene = |title: &str, value: f64| {
+        format!(
+            "title = \"{title}\"\nlimit = \"nothing\"\n[model]\nequations = \"\"\"\nx' = m*x - y - x^3\ny' = x + m*y\n\"\"\"\n\
+             [model.parameters]\nm = 0\n[[task]]\nname = \"rest\"\nkind = \"equilibria\"\nfree = \"m\"\nrange = [-1, \
+             1]\ndetect = [\"HB\"]\n[expect]\n\"rest/HB1\".omega = {{ value = {value}, tolerance = 1e-9 }}\n"
+        )
+    };
+    fs::create_dir(desk.path("set")).unwrap();
+    for (name, title, value) in [("b", "second", 2.0), ("a", "first", 1.0)] {
+        fs::write(desk.path(&format!("set/{name}.toml")), scene(title, value)).unwrap();
+    }
+    let finished = desk.hopfline(&["run", "set", "--quiet"]);
+    assert_eq!(finished.code, Some(1), "{}", finished.stderr);
+    let table = finished.stdout.split_once("| case").unwrap_or_else(|| panic!("{}", finished.stdout)).1;
+    let rows: Vec<&str> = table.lines().filter(|line| line.starts_with('|')).skip(1).collect();
+    assert!(rows[0].contains("first") && rows[0].contains("| right") && rows[0].contains("1 of 1"), "{table}");
+    assert!(
+        rows[1].contains("second") && rows[1].contains("MISSED 1 of 1") && rows[1].ends_with("nothing |"),
+        "{table}"
+    );
+    assert!(table.contains("1 of 2 numbers lie within their printed errors"), "{table}");
+    assert!(finished.stdout.ends_with(&fs::read_to_string(desk.path("output/set/cases.md")).unwrap()));
+    let cases = fs::read_to_string(desk.path("output/set/cases.json")).unwrap();
+    assert!(cases.contains("\"worst\": \"rest/HB1.omega\""), "{cases}");
+    assert!(desk.path("output/set/a/summary.json").exists());
+    fs::create_dir(desk.path("empty")).unwrap();
+    let refused = desk.hopfline(&["run", "empty"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("a folder without scenes"), "{}", refused.stderr);
+}

@@ -1,9 +1,10 @@
 //! Eigenvalues along a branch of equilibria: followed through exceptional points, watched for Hopf points.
 
+mod crossing;
 mod exceptional;
 
 use super::{BranchPoint, Equilibria, Fold, Followed, Hopf, HopfNormalForm, follow, settle};
-use crate::continuation::{Counts, Failure, Point, at_fraction, at_lambda};
+use crate::continuation::{Counts, Failure, Point, at_fraction};
 use crate::linalg::{Leading, Singular, c64, growth};
 use exceptional::Meeting;
 use rayon::prelude::*;
@@ -45,6 +46,8 @@ pub struct Spectra<'a> {
     system: &'a Equilibria,
     wanted: usize,
     shift: f64,
+    /// Once it says so, no more eigenvalues are computed than are needed for what is there.
+    stopped: &'a (dyn Fn() -> bool + Sync),
     /// How far along the imaginary axis none was missed, where not all eigenvalues are computed.
     pub reach: Option<Reach>,
 }
@@ -92,15 +95,19 @@ const SAME: f64 = 1e-6;
 /// Pairs that stay closer than this part of the spectrum's visible height over a whole step are not looked at.
 const VISIBLE: f64 = 0.01;
 
+/// Samples looked at before the time is.
+const BATCH: usize = 16;
+
 impl<'a> Spectra<'a> {
-    /// Computes all samples' eigenvalues, in parallel.
+    /// Computes all samples' eigenvalues, in parallel; those that come too late, when `stopped`, are left out.
     pub fn new(
         system: &'a Equilibria,
         wanted: usize,
-        samples: &mut [Sample],
+        stopped: &'a (dyn Fn() -> bool + Sync),
+        samples: &mut Vec<Sample>,
         counts: &mut Counts,
     ) -> Result<Self, Failure> {
-        let mut tool = Self { system, wanted, shift: 1.0, reach: None };
+        let mut tool = Self { system, wanted, shift: 1.0, stopped, reach: None };
         // The shift: the size of the wanted eigenvalues, found by asking twice at both ends.
         for _ in 0..2 {
             let mut size = 0.0_f64;
@@ -115,8 +122,15 @@ impl<'a> Spectra<'a> {
             let reach = Reach::of(&found);
             Ok((tool.chosen(found), reach))
         };
-        let spectra: Result<Vec<_>, _> = samples.par_iter().map(of).collect();
-        let spectra = spectra?;
+        let mut spectra = Vec::with_capacity(samples.len());
+        for batch in samples.chunks(BATCH) {
+            if stopped() && !spectra.is_empty() {
+                break;
+            }
+            let found: Result<Vec<_>, _> = batch.par_iter().map(of).collect();
+            spectra.extend(found?);
+        }
+        samples.truncate(spectra.len());
         counts.spectra += samples.len();
         tool.reach = spectra.iter().filter_map(|(_, reach)| *reach).reduce(Reach::and);
         for (sample, (values, _)) in samples.iter_mut().zip(spectra) {
@@ -175,6 +189,10 @@ impl<'a> Spectra<'a> {
         // The step that is looked at ends at `end`; after too many samples in it, the rest is settled by distance.
         let (mut i, mut end, mut halvings, mut inserted) = (1, 1, 0, 0);
         while i < samples.len() {
+            if (self.stopped)() {
+                samples.truncate(i);
+                break;
+            }
             if i > end {
                 (end, halvings, inserted) = (i, 0, 0);
             }
@@ -235,7 +253,7 @@ impl<'a> Spectra<'a> {
     /// Adds samples where two pairs meet, and around there.
     fn meetings(&self, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
         let mut i = 1;
-        while i < samples.len() {
+        while i < samples.len() && !(self.stopped)() {
             let (a, b) = (&samples[i - 1].values, &samples[i].values);
             if let Some(ends) = Meeting::of_pairs(a, b, 2 * self.wanted + 4) {
                 i += self.exceptional(samples, i, ends, counts)?;
@@ -248,6 +266,9 @@ impl<'a> Spectra<'a> {
     /// Adds samples where a polyline through the followed branches would show corners.
     pub fn smooth(&self, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
         for _ in 0..MOST_REFINEMENTS {
+            if (self.stopped)() {
+                break;
+            }
             let shown = leading(samples, self.wanted);
             let real = |k: usize| samples.iter().map(move |s| s.followed[k].re);
             let top = shown.iter().flat_map(|&k| real(k)).fold(f64::NEG_INFINITY, f64::max);
@@ -297,72 +318,6 @@ impl<'a> Spectra<'a> {
         sample.values = self.at(&sample.point, counts)?;
         samples.insert(i, sample);
         Ok(())
-    }
-
-    /// Inserts every Hopf point: a followed pair whose real part changes sign between two samples, solved for on its
-    /// defining system. Pairs that stay on the axis, or meet there and leave it, cross nothing.
-    pub fn hopf_points(&self, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
-        let side = |s: &Sample, k: usize| {
-            let met = matches!(s.mark, Some(Mark::Exceptional(_)));
-            if met || s.followed[k].im <= 0.0 { 0.0 } else { growth(s.followed[k]) }
-        };
-        let mut from: Vec<f64> = (0..samples.first().map_or(0, |s| s.followed.len())).map(|_| 0.0).collect();
-        let mut i = 1;
-        while i < samples.len() {
-            let (a, b) = (&samples[i - 1], &samples[i]);
-            // The side from which each branch comes: a point may lie on the axis by chance.
-            for (k, from) in from.iter_mut().enumerate() {
-                let here = side(a, k);
-                let lost = a.followed[k].im <= 0.0 || matches!(a.mark, Some(Mark::Exceptional(_)));
-                *from = if here != 0.0 || lost { here } else { *from };
-            }
-            let crossing = (0..a.followed.len()).filter(|&k| from[k] * side(b, k) < 0.0);
-            let mut found: Vec<Sample> = crossing.filter_map(|k| self.hopf_between(a, b, k, counts)).collect();
-            found.sort_by(|x, y| {
-                let along = |s: &Sample| (s.point.lambda - a.point.lambda) / (b.point.lambda - a.point.lambda);
-                along(x).total_cmp(&along(y))
-            });
-            let count = found.len();
-            for sample in found.into_iter().rev() {
-                samples.insert(i, sample);
-            }
-            // Their eigenvalues in order, between neighbours that already are.
-            for j in i..i + count {
-                samples[j].followed = settle(&middle(&samples[j - 1], &samples[i + count]), &samples[j].values);
-            }
-            i += count + 1;
-        }
-        Ok(())
-    }
-
-    fn hopf_between(&self, a: &Sample, b: &Sample, k: usize, counts: &mut Counts) -> Option<Sample> {
-        let (x, y) = (a.followed[k], b.followed[k]);
-        let theta = x.re / (x.re - y.re);
-        let near = at_fraction(self.system, (&a.point, &b.point), theta, counts).ok()?.point;
-        let expected = x + (y - x) * theta;
-        let vectors = 2 * self.wanted + 8;
-        let pairs = self.system.leading(&near.x, near.lambda, self.shift, self.count(), vectors).ok()?.pairs;
-        counts.spectra += 1;
-        let pair = pairs
-            .iter()
-            .filter(|pair| pair.value.im > 0.0 && !pair.vector.is_empty())
-            .min_by(|p, q| (p.value - expected).norm().total_cmp(&(q.value - expected).norm()))?;
-        let p = self.system.parameters(near.lambda);
-        let problem = &*self.system.problem;
-        let coordinate = self.system.coordinate;
-        let hopf = Hopf::locate(problem, (&near.x, &p), coordinate.index, pair.value.im, &pair.vector).ok()?;
-        let form = HopfNormalForm::new(problem, &hopf).ok()?;
-        let lambda = coordinate.of(hopf.p[coordinate.index]);
-        let (low, high) = (a.point.lambda.min(b.point.lambda), a.point.lambda.max(b.point.lambda));
-        let slack = 1e-9 * (high - low);
-        if lambda < low - slack || lambda > high + slack {
-            return None;
-        }
-        let mut point = at_lambda(self.system, (&a.point, &b.point), lambda, counts).ok()?.point;
-        point.x.copy_from_slice(&hopf.u);
-        let mut sample = Sample::new(point, Some(Mark::Hopf(Box::new((hopf, form)))));
-        sample.values = self.at(&sample.point, counts).ok()?;
-        Some(sample)
     }
 }
 

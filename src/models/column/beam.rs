@@ -14,9 +14,7 @@ use super::inertial;
 use crate::linalg::Matrix;
 use crate::models::rod::{Basis, Forces, Push, finer};
 use crate::models::{ModelError, Options};
-use crate::problem::{
-    At, Automatic, Bounds, Default, Formula, Observable, Parameter, Problem, Refinement, Reflection, Scalar,
-};
+use crate::problem::{At, Automatic, Bounds, Formula, Observable, Parameter, Problem, Refinement, Reflection, Scalar};
 use std::sync::Arc;
 
 pub struct Column {
@@ -53,13 +51,7 @@ impl Column {
 
     pub fn new(functions: usize) -> Self {
         use Bounds::{Any, NonNegative, Positive};
-        let make = |name, value, unit, bounds, meaning| Parameter {
-            name,
-            default: Default::Value(value),
-            unit,
-            meaning,
-            bounds,
-        };
+        let make = Parameter::new;
         let parameters = vec![
             make("L", 1.0, "m", Positive, "length"),
             make("EI", 1.0, "N m²", Positive, "flexural rigidity"),

@@ -13,9 +13,7 @@ use super::inertial;
 use crate::linalg::Matrix;
 use crate::models::rod::{Basis, Forces, Push, finer};
 use crate::models::{ModelError, Options};
-use crate::problem::{
-    At, Automatic, Bounds, Default, Formula, Observable, Parameter, Problem, Refinement, Reflection, Scalar,
-};
+use crate::problem::{At, Automatic, Bounds, Formula, Observable, Parameter, Problem, Refinement, Reflection, Scalar};
 use std::sync::Arc;
 
 pub struct Pipe {
@@ -46,13 +44,7 @@ impl Pipe {
 
     pub fn new(functions: usize) -> Self {
         use Bounds::{Any, NonNegative, Positive};
-        let make = |name, value, bounds, meaning| Parameter {
-            name,
-            default: Default::Value(value),
-            unit: "",
-            meaning,
-            bounds,
-        };
+        let make = |name, value, bounds, meaning| Parameter::new(name, value, "", bounds, meaning);
         let parameters = vec![
             make("u", 0.0, NonNegative, "flow speed U L sqrt(M/EI)"),
             make("beta", 0.2, Positive, "the fluid's part of the mass, M/(m + M)"),

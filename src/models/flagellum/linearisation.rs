@@ -5,7 +5,7 @@
 //! and n, W the weights, and G the load beyond a point,
 //!
 //! ```text
-//! G_u = I + B^T [-t.G + W m'] B + P_t^T W [tau_T V_t + (eps f_N - (tau_N - tau_T) v.n) B]
+//! G_u = e_n I + B^T [-t.G + W m'] B + P_t^T W [tau_T V_t + (eps f_N - (tau_N - tau_T) v.n) B]
 //!                               + P_n^T W [tau_N V_n - (eps P D + (tau_N - tau_T) v.t) B + eps eps' H]
 //! G_v = P_t^T W tau_T P_t + P_n^T W [tau_N P_n + eps eps' beta_N C B] + beta_T/2 B^T W B
 //! ```
@@ -106,7 +106,7 @@ pub(super) fn fill(model: &TwoDoublet, at: At, mut gu: MatMut<'_, f64>, mut gv: 
                     {
                         *out += own + turned;
                     }
-                    out_u[j] += 1.0;
+                    out_u[j] += groups.bending[n];
                     let out_v = gv.rb_mut().col_mut(n * k + j).subrows_mut(n * k, k);
                     out_v.iter_mut().zip(own.col_as_slice(k + j)).for_each(|(out, own)| *out += own);
                 }

@@ -49,14 +49,15 @@ fn tip(model: &TwoDoublet, c: &[f64]) -> f64 {
     times(&model.basis.value, c).iter().zip(&model.basis.w).map(|(psi, w)| w * psi.sin()).sum()
 }
 
-/// Per EI/L: |c|²/2 for bending, then the springs.
+/// Per EI/L: e_n |c_n|²/2 for bending, then the springs.
 fn energy(model: &TwoDoublet, at: At) -> f64 {
     let groups = model.groups(at.p);
     let basis = &model.basis;
     let psi = model.on_points(at.u);
     let delta: Vec<f64> = psi[0].iter().zip(&psi[1]).map(|(a, b)| a - b).collect();
     let h = times(&basis.integral, &delta);
-    let bending = 0.5 * at.u.iter().map(|c| c * c).sum::<f64>();
+    let bent = at.u.chunks(basis.functions).zip(groups.bending);
+    let bending = bent.map(|(c, e)| 0.5 * e * c.iter().map(|c| c * c).sum::<f64>()).sum::<f64>();
     let springs: f64 = (0..basis.points)
         .map(|i| {
             let (mean, h2) = (0.5 * (psi[0][i] + psi[1][i]), h[i] * h[i]);

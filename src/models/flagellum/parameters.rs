@@ -26,7 +26,8 @@ pub(super) mod index {
     pub const K_3N: usize = 9;
     pub const K_3T: usize = 10;
     pub const P: usize = 11;
-    pub const S0: usize = 14;
+    pub const EI_2: usize = 14;
+    pub const S0: usize = 15;
 }
 
 pub(super) fn parameters(load: Load) -> Vec<Parameter> {
@@ -35,7 +36,13 @@ pub(super) fn parameters(load: Load) -> Vec<Parameter> {
     let make = |name, default, unit, bounds, meaning| Parameter { name, default, unit, meaning, bounds };
     let mut list = vec![
         make("L", Value(12.0), "µm", Positive, "length"),
-        make("EI", Value(400.0), "pN µm²", Positive, "flexural rigidity of one doublet"),
+        make(
+            "EI",
+            Value(400.0),
+            "pN µm²",
+            Positive,
+            "flexural rigidity of one doublet, of the first where they differ",
+        ),
         make("a", Value(0.2), "µm", NonNegative, "diameter of the flagellum"),
         make("c_N", Value(0.003), "pN s µm⁻²", Positive, "normal drag per length"),
         make("c_T", Tie("c_N / 2"), "pN s µm⁻²", Positive, "tangential drag per length"),
@@ -48,6 +55,7 @@ pub(super) fn parameters(load: Load) -> Vec<Parameter> {
         make("p", Value(400.0), "pN µm⁻¹", Any, "dynein force per length"),
         make("tau_c", Value(7.776e-4), "s", NonNegative, "inter-doublet time constant"),
         make("tau", Derived("c_N * L^4 / EI"), "s", Positive, "visco-elastic time of the flagellum"),
+        make("EI_2", Tie("EI"), "pN µm²", Positive, "flexural rigidity of doublet 2, where it differs"),
     ];
     if load == Load::Distal {
         list.push(make("s0", Value(4.0), "µm", Positive, "decay length of the load's deficit at the base"));
@@ -57,6 +65,8 @@ pub(super) fn parameters(load: Load) -> Vec<Parameter> {
 
 /// The groups that multiply the terms of the weak form.
 pub(super) struct Groups<S> {
+    /// Of each doublet, in parts of the first one's.
+    pub bending: [S; 2],
     pub tau_n: S,
     pub tau_t: S,
     pub load: S,
@@ -76,12 +86,13 @@ impl<S: Scalar> Groups<S> {
 
     /// From all parameters; the cubic stiffness has the unit that the law gives it.
     pub fn new(p: &[S], law: Law) -> Self {
-        use index::{A, B_N, B_T, C_N, C_T, EI, K_3N, K_3T, K_N, K_T, L, P};
+        use index::{A, B_N, B_T, C_N, C_T, EI, EI_2, K_3N, K_3T, K_N, K_T, L, P};
         let length = p[L];
         let (l2, a2) = (length * length, p[A] * p[A]);
         let per_bending = p[EI].recip();
         let (fourth, second) = (l2 * l2 * per_bending, l2 * per_bending);
         Groups {
+            bending: [S::one(), p[EI_2] * per_bending],
             tau_n: p[C_N] * fourth,
             tau_t: p[C_T] * fourth,
             load: p[P] * l2 * length * per_bending,

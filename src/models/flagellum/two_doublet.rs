@@ -144,7 +144,7 @@ impl Formula for TwoDoublet {
             let (beyond_x, beyond_y) = (self.basis.beyond(&traction.g_x), self.basis.beyond(&traction.g_y));
             let projected = traction.motion.tested(&self.basis, [&beyond_x, &beyond_y], m.as_deref());
             for i in 0..k {
-                out[i] = projected[i] + u[n * k + i];
+                out[i] = projected[i] + groups.bending[n] * u[n * k + i];
             }
         }
     }

@@ -6,7 +6,7 @@
 //! ```text
 //! saddle          P = -ln |lambda - lambda_h| / rate + ...,     so that  dlambda/dP = -rate (lambda - lambda_h),
 //! saddle-focus    lambda = lambda_h + exp(-rate P) (a cos(omega P) + b sin(omega P)) + ...,
-//! saddle-node     P = c |lambda - lambda_s|^(-1/2) + ...,       so that  |dlambda/dP| = (2/c) |lambda - lambda_s|^(3/2),
+//! saddle-node     P = c |lambda - lambda_s|^(-1/2) + ...,       so that  lambda_s = lambda + (P/2) dlambda/dP,
 //! ```
 //!
 //! rate and omega being those of the eigenvalue nearest to the imaginary axis (Shilnikov; Glendinning and Sparrow 1984,
@@ -59,17 +59,15 @@ const NEAR: f64 = 1e-8;
 const AGREEMENT: f64 = 0.05;
 const STANDSTILL: f64 = 1e-11;
 /// Beside a saddle-focus, where lambda comes and goes, when it is this near,
-const NEAR_FOCUS: f64 = 1e-5;
+const NEAR_FOCUS: f64 = 5e-5;
 /// all of the last so many points lie so well on the spiral, in parts of the largest distance among them, and that
 /// distance has shrunk so much.
 pub const KEPT: usize = 7;
 const ON_SPIRAL: f64 = 0.02;
 const SHRUNK: f64 = 0.2;
-/// Beside a saddle-node, when c is the same to this while the distance has shrunk so much, and the passage takes so much
-/// of the time.
-const SAME: f64 = 0.01;
-const CLOSER: f64 = 0.8;
-const DOMINANT: f64 = 0.5;
+/// Beside a saddle-node, when it is within this part of its distance from where the periods have it: that is also the part
+/// of the period that the way outside the passage takes.
+const SAME: f64 = 0.02;
 /// Steps of Newton's method to the equilibrium.
 const MOST_STEPS: usize = 20;
 
@@ -118,27 +116,25 @@ fn saddle(passages: &[Passage], (system, point): (&Collocation, &Point), extent:
     (agree || left < STANDSTILL * extent).then_some(Homoclinic { lambda, error, passed })
 }
 
-/// The fold of equilibria where the orbit is slowest, if the passages grow as they do beside one.
+/// The fold of equilibria where the orbit is slowest, if it is where the periods have it: with P as beside a saddle-node,
+/// `lambda_s = lambda + (P/2) dlambda/dP`.
 fn saddle_node(passages: &[Passage], (system, point): (&Collocation, &Point)) -> Option<Homoclinic> {
-    let [first, second, third] = passages else { return None };
-    // lambda_s without the fold: no such limit, no fold to look for.
+    let [.., second, third] = passages else { return None };
     let limit = |a: &Passage| a.lambda + 0.5 * a.slope * a.time;
-    if (limit(third) - limit(second)).abs() > DOMINANT * (third.lambda - limit(third)).abs() {
+    let place = limit(third);
+    let settled = (place - limit(second)).abs() < SAME * (third.lambda - place).abs();
+    if !settled {
         return None;
     }
     let (u, v) = slowest(&system.orbit(&point.x));
-    let (free, p) = (system.frame.free, system.parameters(limit(third)));
+    let (free, mut p) = (system.frame.free, system.frame.p.clone());
+    p[free] = place;
     let fold = Fold::locate(&*system.frame.problem, (&u, &p), free, &v).ok()?;
     let lambda = fold.p[free];
-    let distance = |a: &Passage| (a.lambda - lambda).abs();
-    let c = |a: &Passage| 2.0 * distance(a).powf(1.5) / a.slope.abs();
-    let towards = third.slope * (lambda - third.lambda) > 0.0;
-    let closer = distance(third) < CLOSER * distance(first);
-    let dominant = c(third) / distance(third).sqrt() > DOMINANT * third.time;
-    let same = (c(third) / c(first) - 1.0).abs() < SAME;
+    let agree = (lambda - place).abs() < SAME * (third.lambda - lambda).abs();
     let error = fold.rounding.abs().max(4.0 * f64::EPSILON * lambda.abs());
     let passed = Passed::SaddleNode(Box::new(fold));
-    (towards && closer && dominant && same).then_some(Homoclinic { lambda, error, passed })
+    agree.then_some(Homoclinic { lambda, error, passed })
 }
 
 /// lambda_h from the spiral with the equilibrium's own rate and frequency.

@@ -87,7 +87,7 @@ pub fn bench(scene: &Scene, options: &RunOptions) -> Result<Report, RunError> {
     let start = Instant::now();
     let study = study(scene)?;
     let folder = Folder::open(&options.out.join("bench"), &scene.name)?;
-    let watch = Watch::new(options.quiet);
+    let watch = Watch::new(options.quiet, None);
     watch.task(&scene.name);
     let total = references(study).count() + study.families.iter().map(|family| family.variants.len()).sum::<usize>();
     let mut progress = Progress { watch: &watch, done: 0.0, total: total as f64 };

@@ -76,7 +76,7 @@ pub struct Seconds {
     pub least: f64,
     pub most: f64,
     /// Median of the processor's seconds, on all threads: what other programs take does not count.
-    pub processor: f64,
+    pub processor: Option<f64>,
     pub runs: usize,
 }
 
@@ -146,10 +146,10 @@ impl FamilyLine {
 impl Seconds {
     pub fn of(runs: &[Taken]) -> Self {
         let walls: Vec<f64> = runs.iter().map(|run| run.wall).collect();
-        let processor: Vec<f64> = runs.iter().map(|run| run.processor).collect();
+        let processor: Option<Vec<f64>> = runs.iter().map(|run| run.processor).collect();
         let extreme = |pick: fn(f64, f64) -> f64| walls.iter().copied().reduce(pick).unwrap_or(f64::NAN);
         let (least, most) = (extreme(f64::min), extreme(f64::max));
-        Self { median: median(&walls), least, most, processor: median(&processor), runs: runs.len() }
+        Self { median: median(&walls), least, most, processor: processor.as_deref().map(median), runs: runs.len() }
     }
 }
 
@@ -290,9 +290,10 @@ mod tests {
 
     #[test]
     fn medians_are_of_the_middle() {
-        let taken = |walls: &[f64]| walls.iter().map(|&wall| Taken { wall, processor: 2.0 * wall }).collect::<Vec<_>>();
+        let taken =
+            |walls: &[f64]| walls.iter().map(|&wall| Taken { wall, processor: Some(2.0 * wall) }).collect::<Vec<_>>();
         let of = |walls: &[f64]| Seconds::of(&taken(walls));
-        assert_eq!(of(&[3.0, 1.0, 9.0]), Seconds { median: 3.0, least: 1.0, most: 9.0, processor: 6.0, runs: 3 });
+        assert_eq!(of(&[3.0, 1.0, 9.0]), Seconds { median: 3.0, least: 1.0, most: 9.0, processor: Some(6.0), runs: 3 });
         assert_eq!(of(&[4.0, 2.0]).median, 3.0);
     }
 }

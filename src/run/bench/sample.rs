@@ -40,8 +40,8 @@ pub struct Sample {
 #[derive(Clone, Copy)]
 pub struct Taken {
     pub wall: f64,
-    /// Of the processor, on all threads.
-    pub processor: f64,
+    /// Of the processor, on all threads, where the system tells.
+    pub processor: Option<f64>,
 }
 
 impl Sample {
@@ -55,6 +55,10 @@ impl Sample {
         let spent = |taken: &[Taken]| taken.iter().map(|run| run.wall).sum::<f64>();
         while numbers.is_ok() && taken.len() < RUNS && spent(&taken) < LIMIT && !interrupted() {
             taken.push(once(variant).1);
+        }
+        // Interrupted at once.
+        if taken.is_empty() {
+            taken.push(first);
         }
         Self { numbers, taken }
     }
@@ -70,9 +74,9 @@ pub fn task(variant: &Variant) -> String {
 pub fn once(variant: &Variant) -> (Result<Numbers, String>, Taken) {
     let (start, busy) = (Instant::now(), ProcessTime::try_now().ok());
     let computed = ready(&variant.scene, &[task(variant)])
-        .and_then(|ready| Ok(ready.compute(&Keeper::idle(), &Watch::new(true), &|_| Ok(()))?));
+        .and_then(|ready| Ok(ready.compute(&Keeper::idle(), &Watch::new(true, None), &|_| Ok(()))?));
     let wall = start.elapsed().as_secs_f64();
-    let processor = busy.and_then(|busy| busy.try_elapsed().ok()).map_or(f64::NAN, |busy| busy.as_secs_f64());
+    let processor = busy.and_then(|busy| busy.try_elapsed().ok()).map(|busy| busy.as_secs_f64());
     let numbers = computed.map_err(|error| error.to_string()).and_then(|outcomes| numbers(&variant.point, &outcomes));
     (numbers, Taken { wall, processor })
 }
@@ -92,8 +96,9 @@ fn numbers(label: &str, outcomes: &[Outcome]) -> Result<Numbers, String> {
     };
     let mut counts = Counts::default();
     outcomes.iter().for_each(|outcome| counts += outcome.counts);
-    let numbers = point.parameters.iter().chain(&point.values);
-    let values = numbers.map(|(name, value)| (name.clone(), (*value, point.errors.get(name).copied()))).collect();
+    let numbers = point.parameters.iter().chain(&point.values).filter(|(_, value)| value.is_finite());
+    let printed = |name: &str| point.errors.get(name).copied().filter(|error| error.is_finite());
+    let values = numbers.map(|(name, value)| (name.clone(), (*value, printed(name)))).collect();
     Ok(Numbers { values, unknowns: unknowns(kind, point), counts })
 }
 

@@ -78,7 +78,7 @@ fn row(line: &SettingLine, quantity: &str) -> String {
         "{:>9} {:>21} {:>9} {:>5}",
         significant(seconds.median),
         format!("({} to {})", significant(seconds.least), significant(seconds.most)),
-        significant(seconds.processor),
+        seconds.processor.map_or("-".to_owned(), significant),
         seconds.runs
     );
     let Some(found) = line.found.get(quantity) else {

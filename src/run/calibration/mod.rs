@@ -7,7 +7,7 @@ use super::equilibria::error;
 use super::outcome::{Outcome, Status, labels};
 use super::start::Stored;
 use super::study::{Prepared, Study};
-use super::watch::{Watch, interrupted};
+use super::watch::Watch;
 use crate::bifurcation::{
     Analysis, Calibration, Coordinate, Fit, FitError, Hopf, HopfError, Lost, Place, Quantity, Target, Unknown,
 };
@@ -173,11 +173,12 @@ impl Tool<'_> {
         let starts: Vec<Vec<f64>> =
             std::iter::once(origin.x.clone()).chain((1..self.task.starts).map(|k| halton(k, m))).collect();
         for batch in starts.chunks(BATCH) {
-            if interrupted() {
+            if self.watch.stopped() {
                 found.interrupted = true;
                 break;
             }
-            let searches: Vec<Search> = batch.par_iter().map(|start| from_start(calibration, origin, start)).collect();
+            let searches: Vec<Search> =
+                batch.par_iter().map(|start| from_start(calibration, origin, start, self.watch)).collect();
             for search in searches {
                 found.searches += 1;
                 match search {
@@ -302,18 +303,18 @@ impl Tool<'_> {
         let q: Vec<c64> = part(|z| z.re).iter().zip(part(|z| z.im)).map(|(&re, im)| c64::new(re, im)).collect();
         let u = (refined.prolong)(&hopf.u);
         let hopf = Hopf::locate(&*refined.problem, (&u, &hopf.p), fine.free, hopf.omega, &q).ok()?;
-        let fit = fine.fit(&fine.place(hopf).ok()?, &interrupted).ok()?;
+        let fit = fine.fit(&fine.place(hopf).ok()?, &|| self.watch.stopped()).ok()?;
         self.numbers(&fine, &fit.place, &fine.analysis(&fit.place).ok()?).ok()
     }
 }
 
 /// Follows the Hopf point to a start and fits from there, or from as far as it came.
-fn from_start(calibration: &Calibration, origin: &Place, start: &[f64]) -> Search {
+fn from_start(calibration: &Calibration, origin: &Place, start: &[f64], watch: &Watch) -> Search {
     let place = match calibration.reach(origin, start) {
         Ok(place) => place,
         Err(Lost { last, .. }) => *last,
     };
-    match calibration.fit(&place, &interrupted) {
+    match calibration.fit(&place, &|| watch.stopped()) {
         Ok(fit) => Search::Ended(Box::new(fit)),
         Err(FitError::Interrupted) => Search::Interrupted,
         Err(FitError::Slow(_) | FitError::Failed(_)) => Search::Failed,

@@ -14,7 +14,7 @@ pub use special::{VALUES, angle};
 use super::outcome::{Outcome, Status, joined};
 use super::resume::{Checkpoint, Keeper};
 use super::study::Prepared;
-use super::watch::{Watch, interrupted};
+use super::watch::Watch;
 use crate::branch::{Branch, Kind, SpecialPoint};
 use crate::continuation::{Counts, Failure, Point, Stop, Walk, at_lambda, crossing};
 use crate::orbit::bifurcations::{Amplitude, Event, Homoclinic, KEPT, Passage, Segment, Signs};
@@ -76,6 +76,8 @@ struct Cycles<'a> {
     pending: Vec<Pending>,
     /// How the first of two ways ended, once it has.
     behind: Option<(Status, String)>,
+    /// The stretch of the free parameter in which bifurcations could not be looked for.
+    blind: Option<(f64, f64)>,
 }
 
 /// Why a branch ended.
@@ -121,11 +123,19 @@ pub fn run(
     let kept = keeper.load(name);
     let before = kept.as_ref().map_or(0.0, |kept| kept.seconds);
     let mut counts = kept.as_ref().map_or_else(Counts::default, |kept| kept.counts);
-    let mut cycles = Cycles { prepared, task, branch: empty(prepared, name, task), pending: Vec::new(), behind: None };
-    let (status, reason) = match cycles.both_ways(from, kept, Tools { keeper, watch, start, before }, &mut counts) {
+    let branch = empty(prepared, name, task);
+    let mut cycles = Cycles { prepared, task, branch, pending: Vec::new(), behind: None, blind: None };
+    let (status, mut reason) = match cycles.both_ways(from, kept, Tools { keeper, watch, start, before }, &mut counts) {
         Ok(end) => end,
         Err(failure) => (Status::Failed, failure.to_string()),
     };
+    if let Some((low, high)) = cycles.blind {
+        let name = &task.along.free;
+        reason += &format!(
+            "; for {name} from {low} to {high} bifurcations were not looked for at all points, for there the multipliers are lost to \
+             rounding (the trivial one is not 1)"
+        );
+    }
     Outcome { branch: cycles.branch, status, reason, seconds: before + start.elapsed().as_secs_f64(), counts }
 }
 
@@ -204,7 +214,7 @@ impl Cycles<'_> {
         let width = system.frame.scale_lambda;
         let mut walk = Walk::resume(&mut system, state, (low, high));
         loop {
-            let stopping = interrupted();
+            let stopping = watch.stopped();
             let keeping = stopping || keeper.due();
             if self.pending.len() >= BATCH || keeping {
                 self.make_rows(counts);
@@ -256,6 +266,10 @@ impl Cycles<'_> {
                 let signs = [&a, b];
                 let segment = Segment { system: &*walk.system, from: &step.from, to: &step.to, signs, width };
                 between.extend(self.bifurcations(&segment, &wanted, counts));
+            }
+            if next.is_none() && !wanted.is_empty() {
+                let (low, high) = self.blind.unwrap_or((lambda, lambda));
+                self.blind = Some((low.min(lambda), high.max(lambda)));
             }
             signs = next;
             between.sort_by(|x, y| x.fraction.total_cmp(&y.fraction));

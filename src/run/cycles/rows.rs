@@ -59,6 +59,7 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
         for k in 1..=task.multipliers.min(prepared.problem.dim().saturating_sub(1 + drifts(prepared, task))) {
             columns.push((format!("mu_{k}_re"), String::new()));
             columns.push((format!("mu_{k}_im"), String::new()));
+            columns.push((format!("mu_{k}_log"), String::new()));
         }
         columns.push(("trivial_error".to_owned(), String::new()));
     }
@@ -121,7 +122,8 @@ impl Cycles<'_> {
         if self.task.multipliers > 0 {
             for k in 0..self.task.multipliers.min(orbit.dim.saturating_sub(1 + orbit.drift.len())) {
                 let mu = found.and_then(|m| m.values.get(k));
-                values.extend([mu.map(|mu| mu.re), mu.map(|mu| mu.im)]);
+                let log = found.and_then(|m| m.logs.get(k)).copied().filter(|log| log.is_finite());
+                values.extend([mu.map(|mu| mu.re), mu.map(|mu| mu.im), log]);
             }
             values.push(found.map(|m| m.trivial_error));
         }

@@ -35,6 +35,9 @@ pub struct Between {
     pub special: Special,
 }
 
+/// Multipliers are lost where the trivial one is off by this.
+const LOST: f64 = 0.5;
+
 impl Cycles<'_> {
     /// What to look for along the branch; on half a period a multiplier -1 breaks the symmetry.
     pub fn wanted(&self, parts: usize) -> Vec<Event> {
@@ -200,7 +203,8 @@ impl Cycles<'_> {
         Some(Fold::locate(&*finer.problem, (&start.0, &fold.p), free, &start.1).ok()?.p[free])
     }
 
-    /// Test functions at a point of the walk; None where they do not exist or nothing is wanted.
+    /// Test functions at a point of the walk; None where they do not exist or nothing is wanted, and where multipliers are
+    /// computed but lost to rounding: where an orbit expands and contracts by more than there are digits, as canards do.
     pub fn signs(
         &self,
         point: &Point,
@@ -209,6 +213,9 @@ impl Cycles<'_> {
         counts: &mut Counts,
     ) -> Option<Signs> {
         if wanted.is_empty() {
+            return None;
+        }
+        if self.task.multipliers > 0 && !factors.multipliers(Some(1)).is_ok_and(|found| found.trivial_error < LOST) {
             return None;
         }
         counts.spectra += usize::from(wanted.iter().any(|event| *event != Event::Fold));

@@ -5,7 +5,7 @@ use crate::bifurcation::{BranchPoint, Equilibria, Fold, Hopf, HopfNormalForm, Ma
 use crate::branch::{Array, SpecialPoint};
 use crate::continuation::{Border, Counts, Point, correct};
 use crate::linalg::{c64, growth};
-use crate::problem::{At, Problem};
+use crate::problem::{At, Problem, Refinement};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
@@ -105,10 +105,13 @@ fn of_hopf(hopf: &Hopf, form: &HopfNormalForm) -> BTreeMap<String, f64> {
         ("lyapunov", form.l1),
         ("dsigma_re", hopf.slope.re),
         ("dsigma_im", hopf.slope.im),
+        ("condition", hopf.condition),
     ])
 }
 
-/// Errors: the same point on the refined discretisation; the difference is taken for the error of the present one.
+/// Errors: the same point on the refined discretisation; twice the difference is taken for the error of the present one.
+/// Without a refinement the equations are what they are, and rounding is what is left. Where the refined discretisation has
+/// no such point, nothing is known of it: its error is as large as the number, and the answer is false.
 pub fn estimate(
     prepared: &Prepared,
     system: &Equilibria,
@@ -116,8 +119,62 @@ pub fn estimate(
     neighbours: (Option<&Sample>, Option<&Sample>),
     spectra: Option<&Spectra>,
     point: &mut SpecialPoint,
-) {
-    let Some(refined) = prepared.problem.refined() else { return };
+) -> bool {
+    let free = &prepared.free_name;
+    for (name, step) in rounding(sample, free) {
+        let value = point.parameters.get(&name).or(point.values.get(&name)).copied().unwrap_or(0.0);
+        point.errors.insert(name, (SAFETY * step).max(error(value, value)));
+    }
+    let Some(refined) = prepared.problem.refined() else { return true };
+    let Some((lambda, fine)) = finer(prepared, system, &refined, (sample, neighbours), spectra) else {
+        point.errors.extend(point.values.iter().map(|(name, value)| (name.clone(), value.abs())));
+        let here = system.coordinate.value(sample.point.lambda);
+        let located =
+            matches!(sample.mark, Some(Mark::Hopf(_) | Mark::Fold(_) | Mark::Branch(_) | Mark::Exceptional(_)));
+        if located {
+            point.errors.insert(free.clone(), here.abs());
+        }
+        return !located;
+    };
+    let here = system.coordinate.value(sample.point.lambda);
+    let moved = lambda.map(|lambda| (free.clone(), error(here, lambda)));
+    let compared = point.values.iter().filter_map(|(name, &value)| {
+        let fine = fine.get(name).filter(|fine| **fine != 0.0 || value != 0.0)?;
+        Some((name.clone(), error(value, *fine)))
+    });
+    let compared: Vec<(String, f64)> = compared.chain(moved).collect();
+    for (name, error) in compared {
+        // Where refinement moves a number by less than rounding does, rounding is its error.
+        let known = point.errors.entry(name).or_insert(0.0);
+        *known = known.max(error);
+    }
+    true
+}
+
+/// The last Newton steps of what was solved for, by the numbers' names.
+fn rounding(sample: &Sample, free: &str) -> Vec<(String, f64)> {
+    let parameter = |step: f64| vec![(free.to_owned(), step)];
+    match &sample.mark {
+        Some(Mark::Hopf(found)) => {
+            let (p, omega) = found.0.rounding;
+            let turns =
+                [("omega", omega), ("frequency", omega / (2.0 * PI))].map(|(name, step)| (name.to_owned(), step));
+            [parameter(p), turns.to_vec()].concat()
+        }
+        Some(Mark::Fold(Some(fold))) => parameter(fold.rounding),
+        Some(Mark::Branch(found)) => parameter(found.rounding),
+        _ => Vec::new(),
+    }
+}
+
+/// The same point on a finer discretisation: the free parameter where it is solved for, and its numbers.
+fn finer(
+    prepared: &Prepared,
+    system: &Equilibria,
+    refined: &Refinement,
+    (sample, neighbours): (&Sample, (Option<&Sample>, Option<&Sample>)),
+    spectra: Option<&Spectra>,
+) -> Option<(Option<f64>, BTreeMap<String, f64>)> {
     let fine = Equilibria { problem: refined.problem.clone(), ..system.clone() };
     let settle = |point: &Point| -> Option<Point> {
         let u = (refined.prolong)(&point.x);
@@ -125,7 +182,7 @@ pub fn estimate(
         correct(&fine, (u, point.lambda), &border, &mut Counts::default()).ok().map(|c| c.point)
     };
     let coordinate = system.coordinate;
-    let (free, values) = match &sample.mark {
+    Some(match &sample.mark {
         Some(Mark::Hopf(found)) => {
             let hopf = &found.0;
             let part = |f: fn(&c64) -> f64| (refined.prolong)(&hopf.q.iter().map(f).collect::<Vec<_>>());
@@ -133,61 +190,42 @@ pub fn estimate(
             let start = ((refined.prolong)(&hopf.u), hopf.p.clone());
             let problem = &*refined.problem;
             let located = Hopf::locate(problem, (&start.0, &start.1), system.coordinate.index, hopf.omega, &q);
-            let Ok(located) = located else { return };
-            let Ok(form) = HopfNormalForm::new(problem, &located) else { return };
+            let located = located.ok()?;
+            let form = HopfNormalForm::new(problem, &located).ok()?;
             (Some(located.p[coordinate.index]), of_hopf(&located, &form))
         }
         Some(Mark::Exceptional(mean)) => {
-            let (Some(a), Some(b), Some(tool)) = (neighbours.0, neighbours.1, spectra) else { return };
-            let Some((lambda, mean)) = tool.exceptional_on(&fine, (a, sample, b), settle, *mean) else { return };
+            let (a, b, tool) = (neighbours.0?, neighbours.1?, spectra?);
+            let (lambda, mean) = tool.exceptional_on(&fine, (a, sample, b), settle, *mean)?;
             let met = (mean.im > 0.0).then(|| measure(prepared, system, &sample.point, Some(mean)));
             (Some(coordinate.value(lambda)), met.unwrap_or_default())
         }
         Some(Mark::Fold(Some(fold))) => {
             let start = (&(refined.prolong)(&fold.u)[..], &fold.p[..]);
-            let Ok(located) = Fold::locate(&*refined.problem, start, coordinate.index, &(refined.prolong)(&fold.q))
-            else {
-                return;
-            };
+            let q = (refined.prolong)(&fold.q);
+            let located = Fold::locate(&*refined.problem, start, coordinate.index, &q).ok()?;
             (Some(located.p[coordinate.index]), of_fold(&located))
         }
         Some(Mark::Branch(found)) => {
             let start = (&(refined.prolong)(&found.u)[..], &found.p[..]);
             let along = Tangent { u: (refined.prolong)(&found.along.u), p: found.along.p };
             let place = (coordinate.index, scales(&fine, sample.point.lambda));
-            let Ok(located) = BranchPoint::locate(&*refined.problem, start, place, &along) else { return };
+            let located = BranchPoint::locate(&*refined.problem, start, place, &along).ok()?;
             (Some(located.p[coordinate.index]), of_branch_point(&located))
         }
         _ => {
-            let Some(settled) = settle(&sample.point) else { return };
+            let settled = settle(&sample.point)?;
             let leading = spectra.and_then(|tool| tool.leading(&fine, &settled));
             (None, measure(prepared, &fine, &settled, leading))
         }
-    };
-    // Where refinement moves a number by less than rounding does, rounding is its error.
-    let rounding = match &sample.mark {
-        Some(Mark::Hopf(found)) => found.0.rounding,
-        Some(Mark::Fold(Some(fold))) => (fold.rounding, 0.0),
-        Some(Mark::Branch(found)) => (found.rounding, 0.0),
-        _ => (0.0, 0.0),
-    };
-    if let Some(free) = free {
-        let here = coordinate.value(sample.point.lambda);
-        point.errors.insert(prepared.free_name.clone(), error(here, free).max(rounding.0));
-    }
-    for (name, &value) in &point.values {
-        if let Some(&fine) = values.get(name).filter(|fine| **fine != 0.0 || value != 0.0) {
-            let floor = match name.as_str() {
-                "omega" => rounding.1,
-                "frequency" => rounding.1 / (2.0 * PI),
-                _ => 0.0,
-            };
-            point.errors.insert(name.clone(), error(value, fine).max(floor));
-        }
-    }
+    })
 }
 
-/// The difference, but not less than rounding.
+/// What is missing beyond the refined discretisation is covered by this factor (spectral methods lack a sixth of the
+/// difference, measured); a last Newton step is one sample of what rounding does.
+pub const SAFETY: f64 = 2.0;
+
+/// Twice the difference, but not less than rounding.
 pub fn error(value: f64, fine: f64) -> f64 {
-    (value - fine).abs().max(4.0 * f64::EPSILON * value.abs())
+    (SAFETY * (value - fine).abs()).max(4.0 * f64::EPSILON * value.abs())
 }

@@ -23,10 +23,11 @@ use std::time::Instant;
 use values::user_values;
 use walk::{Walked, Wanted, walk};
 
-pub use describe::error;
+pub use describe::{SAFETY, error};
 
 /// Numbers of special points that are neither observables nor eigenvalues.
-pub const VALUES: [&str; 9] = ["omega", "frequency", "lyapunov", "growth", "lp_a", "lp_b", "bp_b", "bp_c", "bp_d"];
+pub const VALUES: [&str; 10] =
+    ["omega", "frequency", "lyapunov", "growth", "condition", "lp_a", "lp_b", "bp_b", "bp_c", "bp_d"];
 
 /// Runs the task; numerical trouble ends up in the outcome's status and reason.
 pub fn run(prepared: &Prepared, name: &str, task: &scene::Equilibria, origin: Origin, watch: &Watch) -> Outcome {
@@ -90,8 +91,9 @@ fn follow(
     let hopf = detects("HB");
     // Detection alone needs the eigenvalues that may cross, not columns for them.
     let wanted = if hopf { task.spectrum.max(4) } else { task.spectrum };
+    let stopped = || watch.stopped();
     let spectra = if wanted > 0 {
-        let tool = Spectra::new(&system, wanted, &mut samples, counts)?;
+        let tool = Spectra::new(&system, wanted, &stopped, &mut samples, counts)?;
         tool.follow(&mut samples, counts)?;
         if hopf {
             tool.hopf_points(&mut samples, counts)?;
@@ -103,6 +105,11 @@ fn follow(
     } else {
         None
     };
+    // What there was no time for is left out at the end.
+    let stop = if watch.stopped() { Stop::Interrupted } else { stop };
+    if let Some(last) = samples.last_mut() {
+        last.mark.get_or_insert(Mark::End);
+    }
     let reach = spectra.as_ref().and_then(|tool| tool.reach);
     if let Some(reach) = reach.filter(|reach| reach.complete) {
         watch.say(format!("{}: {}", branch.name, checked(reach)));
@@ -116,17 +123,20 @@ fn follow(
         branch.rows[row].label = Some(short);
         branch.points.push(SpecialPoint::new(label, kind, row));
     }
-    branch.points.par_iter_mut().zip(&marked).for_each(|(point, &(row, sample, _))| {
+    let confirmed = branch.points.par_iter_mut().zip(&marked).map(|(point, &(row, sample, _))| {
         let drawn = branch.rows[row].label.as_ref().is_some_and(|short| prepared.waves.contains(short));
         describe(prepared, &system, sample, spectra.as_ref().filter(|_| drawn), point);
-        if along.errors {
+        let mut found = true;
+        if along.errors && !watch.stopped() {
             let neighbours = (samples.get(row.wrapping_sub(1)), samples.get(row + 1));
-            estimate(prepared, &system, sample, neighbours, spectra.as_ref(), point);
+            found = estimate(prepared, &system, sample, neighbours, spectra.as_ref(), point);
         }
         if drawn {
             wave::of_mode(prepared, point);
         }
+        found
     });
+    let confirmed: Vec<bool> = confirmed.collect();
     let status = match stop {
         Stop::Interrupted => Status::Interrupted,
         Stop::Stagnation { .. } => Status::Failed,
@@ -135,6 +145,16 @@ fn follow(
     let mut reason = stop.to_string();
     if let Some(reach) = reach.filter(|reach| !reach.complete) {
         reason += &format!("; {}", checked(reach));
+    }
+    let lost: Vec<&str> = branch
+        .points
+        .iter()
+        .zip(confirmed)
+        .filter(|(_, found)| !found)
+        .map(|(point, _)| point.label.as_str())
+        .collect();
+    if !lost.is_empty() {
+        reason += &format!("; not found on a finer discretisation, so not to be trusted: {}", lost.join(", "));
     }
     Ok(Outcome { branch, status, reason, seconds: 0.0, counts: *counts })
 }

@@ -2,7 +2,7 @@
 
 use crate::bifurcation::{Equilibria, reverse};
 use crate::continuation::{Counts, Point, StepControl, Stop, Walk};
-use crate::run::watch::{Watch, interrupted};
+use crate::run::watch::Watch;
 use crate::scene;
 
 /// Points in the order of the branch.
@@ -47,7 +47,7 @@ pub fn walk(
         let mut found = Vec::new();
         let mut walk = Walk::new(&mut *system, start, control, (from, to));
         let stop = loop {
-            if interrupted() {
+            if watch.stopped() {
                 break Stop::Interrupted;
             }
             if found.len() >= room {

@@ -5,10 +5,11 @@ mod rows;
 mod sample;
 mod start;
 
+use super::locus;
 use super::outcome::{Outcome, Status, joined};
 use super::start::coordinates;
 use super::study::Prepared;
-use super::watch::{Watch, interrupted};
+use super::watch::Watch;
 use crate::bifurcation::{Coordinate, HopfCurve, HopfSegment, Locus, Test, reverse};
 use crate::branch::{Branch, BranchKind, Column, Kind, SpecialPoint};
 use crate::continuation::{Counts, Point, StepControl, Stop, Walk};
@@ -69,33 +70,23 @@ pub fn run(prepared: &Prepared, name: &str, task: &scene::Curve, from: &SpecialP
 }
 
 pub fn empty(prepared: &Prepared, name: &str, task: &scene::Curve) -> Branch {
-    let list = prepared.problem.parameters();
-    let free = [prepared.first(), prepared.free].map(|i| &list[i]);
     let time = prepared.problem.time_unit();
     let of_time = |units: [&str; 2]| if time.is_empty() { units[0].to_owned() } else { units[1].replace("{s}", time) };
-    let mut columns: Vec<(String, String)> = free.iter().map(|q| (q.name.to_owned(), q.unit.to_owned())).collect();
-    columns.extend(task.along.logarithmic.iter().map(|name| (format!("log10 {name}"), String::new())));
-    columns.push(("omega".to_owned(), of_time(["rad", "rad/{s}"])));
-    columns.push(("frequency".to_owned(), if time == "s" { "Hz".to_owned() } else { of_time(["", "1/{s}"]) }));
-    columns.push(("lyapunov".to_owned(), String::new()));
-    columns.push(("dsigma_re".to_owned(), String::new()));
-    columns.push(("dsigma_im".to_owned(), String::new()));
+    let own = [
+        ("omega", of_time(["rad", "rad/{s}"])),
+        ("frequency", if time == "s" { "Hz".to_owned() } else { of_time(["", "1/{s}"]) }),
+        ("lyapunov", String::new()),
+        ("dsigma_re", String::new()),
+        ("dsigma_im", String::new()),
+    ];
+    let own = own.map(|(name, unit)| (name.to_owned(), unit)).to_vec();
+    let mut branch = locus::empty(prepared, name, (BranchKind::HopfCurve, task), own);
     if task.along.errors {
-        for (name, unit) in
-            columns.clone().into_iter().filter(|(name, _)| !name.starts_with("log10 ") && !name.starts_with("dsigma"))
-        {
-            columns.push((format!("error {name}"), unit));
-        }
+        let judged = |column: &&Column| !column.name.starts_with("log10 ") && !column.name.starts_with("dsigma");
+        let errors: Vec<Column> = branch.columns.iter().filter(judged).map(Column::error).collect();
+        branch.columns.extend(errors);
     }
-    Branch {
-        name: name.to_owned(),
-        kind: BranchKind::HopfCurve,
-        free: free.iter().map(|q| q.name.to_owned()).collect(),
-        columns: columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
-        rows: Vec::new(),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    }
+    branch
 }
 
 struct Curve<'a> {
@@ -178,7 +169,7 @@ impl Curve<'_> {
         let mut pending: Vec<Reached> = Vec::new();
         loop {
             let end: Option<(Status, String)>;
-            if interrupted() {
+            if self.watch.stopped() {
                 end = Some((Status::Interrupted, Stop::Interrupted.to_string()));
             } else if samples.len() + pending.len() >= most {
                 end = Some((Status::Done, Stop::MaxPoints.to_string()));

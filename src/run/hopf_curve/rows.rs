@@ -6,7 +6,7 @@ use crate::bifurcation::{Bautin, BogdanovTakens, DoubleHopf, HopfCurve, HopfSegm
 use crate::branch::{Array, Branch, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Counts, Point};
 use crate::problem::Problem;
-use crate::run::equilibria::error;
+use crate::run::equilibria::{SAFETY, error};
 use crate::run::outcome::labels;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -57,6 +57,19 @@ impl Curve<'_> {
         .filter(|value| value.is_finite())
     }
 
+    /// What rounding leaves open of a number.
+    fn rounding(&self, sample: &Sample, name: &str) -> f64 {
+        let (p, omega) = sample.here.as_ref().map_or((0.0, 0.0), |here| here.hopf.rounding);
+        let free = self.prepared.problem.parameters()[sample.free].name;
+        SAFETY
+            * match name {
+                "omega" => omega,
+                "frequency" => omega / (2.0 * PI),
+                _ if name == free => p,
+                _ => 0.0,
+            }
+    }
+
     fn row(&self, branch: &Branch, sample: &Sample) -> Row {
         let curve = &sample.segment.curve;
         let value = |here: Option<&Here>, name: &str| self.measure(curve, &sample.point, here, name);
@@ -68,7 +81,8 @@ impl Curve<'_> {
                 if Some(name) == held {
                     return None;
                 }
-                Some(error(value(Some(here), name)?, value(Some(fine), name)?))
+                let moved = error(value(Some(here), name)?, value(Some(fine), name)?);
+                Some(moved.max(self.rounding(sample, name)))
             }
             None => value(sample.here.as_ref(), &column.name),
         };
@@ -131,7 +145,7 @@ impl Curve<'_> {
                 continue;
             };
             if !matches!(test, Test::Value(held, _) if held == k) {
-                errors.insert(name.to_owned(), error(here, there));
+                errors.insert(name.to_owned(), error(here, there).max(self.rounding(sample, name)));
             }
         }
         for (name, fine) in coefficients(&segment, &point, test) {

@@ -8,22 +8,25 @@ use crate::problem::Problem;
 use crate::simulate::{Control, Course, Cycle, Motion, SimulateError, integrate};
 use std::ops::ControlFlow;
 
-/// The mesh of the stored cycle.
-const INTERVALS: usize = 40;
+/// Fewest and most intervals of the stored cycle's mesh.
+const INTERVALS: [usize; 2] = [40, 200];
 const DEGREE: usize = 4;
-/// Where its speed is looked at.
-const LOOKS: usize = 800;
-/// No interval is wider than it would be with this part of the mean speed.
-const FLOOR: f64 = 0.2;
+/// Steps of the integrator that an interval takes the place of.
+const STEPS: usize = 2;
 
 impl Simulation<'_> {
-    /// Stores the cycle as a point: one more period, sampled at the nodes of a mesh with equal shares of its length.
+    /// Stores the cycle as a point: one more period to learn the integrator's steps, which are short where the motion is
+    /// fast, and another one sampled at the nodes of a mesh that shares them out.
     pub fn cycle(&mut self, cycle: &Cycle, p: &[f64]) -> Result<(), TaskError> {
         let problem = &*self.prepared.problem;
-        let looks: Vec<f64> = (0..=LOOKS).map(|k| k as f64 / LOOKS as f64).collect();
         let mut counts = self.counts;
-        let seen = sample(problem, cycle, p, &self.control, &looks, &mut counts)?;
-        let mesh = mesh(&seen);
+        let mut steps = vec![0.0];
+        let course = Course::steady(0.0, cycle.period, p);
+        integrate(problem, &cycle.at, &course, &self.control, &mut counts, &mut |step| {
+            steps.push(step.to.t / cycle.period);
+            ControlFlow::Continue(())
+        })?;
+        let mesh = mesh(&steps);
         let scheme = Scheme::new(Points::Radau, DEGREE);
         let mut places: Vec<f64> = mesh
             .windows(2)
@@ -96,23 +99,16 @@ fn sample(
     Ok(seen)
 }
 
-/// Intervals of equal length along the cycle, as far as the floor allows.
-fn mesh(seen: &[Motion]) -> Vec<f64> {
-    let speed = |motion: &Motion| motion.v.iter().map(|v| v * v).sum::<f64>().sqrt();
-    let speeds: Vec<f64> = seen.windows(2).map(|pair| 0.5 * (speed(&pair[0]) + speed(&pair[1]))).collect();
-    let mean = speeds.iter().sum::<f64>() / speeds.len() as f64;
-    let shares: Vec<f64> = speeds.iter().map(|s| s.max(FLOOR * mean)).collect();
-    let total: f64 = shares.iter().sum();
-    let width = 1.0 / shares.len() as f64;
-    let (mut mesh, mut before, mut j) = (vec![0.0], 0.0, 0);
-    for k in 1..INTERVALS {
-        let goal = total * k as f64 / INTERVALS as f64;
-        while before + shares[j] < goal && j + 1 < shares.len() {
-            before += shares[j];
-            j += 1;
-        }
-        mesh.push((j as f64 + (goal - before) / shares[j]) * width);
-    }
+/// Intervals with equal shares of the integrator's steps, whose ends are given.
+fn mesh(steps: &[f64]) -> Vec<f64> {
+    let count = (steps.len() / STEPS).clamp(INTERVALS[0], INTERVALS[1]);
+    let mut mesh: Vec<f64> = (0..count)
+        .map(|k| {
+            let place = (steps.len() - 1) as f64 * k as f64 / count as f64;
+            let (j, share) = (place as usize, place.fract());
+            steps[j] + share * (steps[j + 1] - steps[j])
+        })
+        .collect();
     mesh.push(1.0);
     mesh
 }

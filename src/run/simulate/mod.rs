@@ -6,7 +6,7 @@ use super::equilibria;
 use super::outcome::{Outcome, Status, labels};
 use super::start;
 use super::study::Prepared;
-use super::watch::{Watch, interrupted};
+use super::watch::Watch;
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::Counts;
 use crate::linalg::pencil;
@@ -208,7 +208,7 @@ impl Simulation<'_> {
                 return ControlFlow::Break(());
             }
             this.watch.at((step.to.t - from) / (to - from), format!("t = {:.6}", step.to.t));
-            stopped = interrupted();
+            stopped = this.watch.stopped();
             if stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         let problem = &*self.prepared.problem;
@@ -258,9 +258,9 @@ impl Simulation<'_> {
                 errors: self.task.along.errors,
             };
             self.watch.at(k as f64 / values.len() as f64, format!("{} = {value:.6}", self.prepared.free_name));
-            let mut stopped = false;
+            let (watch, mut stopped) = (self.watch, false);
             let mut see = |_: &crate::simulate::Step| {
-                stopped = interrupted();
+                stopped = watch.stopped();
                 if stopped { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
             let problem = &*self.prepared.problem;

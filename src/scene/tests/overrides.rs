@@ -54,7 +54,7 @@ fn bad_overrides_are_named() {
         ("parameters.L=", "--set parameters.L=: gives no value; write parameters.L=VALUE"),
         (
             "parameter.L=3",
-            "--set parameter.L=3: unknown section \"parameter\" (did you mean \"parameters\"?); allowed: title, model, parameters, task, figure",
+            "--set parameter.L=3: unknown section \"parameter\" (did you mean \"parameters\"?); allowed: title, budget, model, parameters, task, figure",
         ),
         (
             "task.beet.range=[0, 1]",
@@ -103,6 +103,9 @@ fn bad_overrides_are_named() {
         &format!("parameters{}=3", ".a".repeat(9000)),
     ] {
         let complaint = overridden(set);
-        assert!(complaint.contains("cannot be overridden; allowed: title, model.KEY, parameters.NAME"), "{complaint}");
+        assert!(
+            complaint.contains("cannot be overridden; allowed: title, budget, model.KEY, parameters.NAME"),
+            "{complaint}"
+        );
     }
 }

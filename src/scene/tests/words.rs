@@ -8,7 +8,7 @@ fn unknown_words_are_refused_with_what_was_meant() {
         (
             "[expect]",
             "[expected]",
-            "56: expected: unknown section \"expected\" (did you mean \"expect\"?); allowed: title, model, parameters, task, figure, expect",
+            "56: expected: unknown section \"expected\" (did you mean \"expect\"?); allowed: title, budget, limit, model, parameters, task, figure, expect, bench",
         ),
         (
             "max_step = 5",

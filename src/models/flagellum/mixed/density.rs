@@ -96,7 +96,7 @@ pub fn density<S: Scalar>(law: Law, g: &Groups<S>, straight: S, z: &[S; 16]) -> 
         let along_t = (excess_x - bend * normal) * g.tau_n / g.tau_t;
         let along_n = normal_x + bend * (straight * EPS[n] + excess) + f * EPS[n];
         y[n] = -moment - normal;
-        y[2 + n] = bend;
+        y[2 + n] = g.bending[n] * bend;
         y[4 + n] = bend * along_n;
         y[6 + n] = along_t;
         y[8 + n] = g.tau_n * rate - bend * along_t;

@@ -1,0 +1,119 @@
+//! A folder of scenes as a suite: what came out of each, in a table.
+//!
+//! A number is right where it lies within its printed error of the expected one. That error is an estimate: where a number
+//! is further off, but still within the tolerance of its expectation, the verdict says so.
+
+use super::RunError;
+use super::outcome::Status;
+use super::summary::{Expected, Summary};
+use crate::branch::write_atomically;
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// Where the results of a scene or a folder of scenes go: each folder has one of its own in `out`.
+pub fn folder(path: &Path, out: &Path) -> PathBuf {
+    match path.file_name().filter(|_| path.is_dir()) {
+        Some(name) => out.join(name),
+        None => out.to_owned(),
+    }
+}
+
+/// What came out of a scene.
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+pub struct Case {
+    pub scene: String,
+    pub title: String,
+    pub verdict: String,
+    /// Expected numbers, how many of them are within their printed error, and how many within their tolerance.
+    pub expected: usize,
+    pub right: usize,
+    pub met: usize,
+    /// The number that is furthest off, relatively (absolutely where zero is expected): true and printed error.
+    pub worst: Option<String>,
+    pub error: Option<f64>,
+    pub printed: Option<f64>,
+    pub seconds: f64,
+    /// What limits the accuracy or the reach, in the scene's words.
+    pub limit: String,
+}
+
+impl Case {
+    pub fn new(scene: &Scene, summary: &Summary) -> Self {
+        let expect = &summary.expect;
+        let right = expect.iter().filter(|e| e.right()).count();
+        let met = expect.iter().filter(|e| e.met).count();
+        let stopped: Vec<String> = (summary.tasks.iter().filter(|task| task.status != Status::Done))
+            .map(|task| format!("{}: {}", task.name, task.reason))
+            .collect();
+        let verdict = if met < expect.len() {
+            format!("MISSED {} of {}", expect.len() - met, expect.len())
+        } else if !stopped.is_empty() {
+            let why = if summary.success() { "stops as expected" } else { "STOPPED" };
+            format!("{why}: {}", stopped.join("; "))
+        } else if right < expect.len() {
+            format!("{right} of {} right, the others within tolerance", expect.len())
+        } else {
+            "right".to_owned()
+        };
+        let off = |e: &&Expected| e.distance().unwrap_or(f64::INFINITY);
+        let worst = expect.iter().max_by(|a, b| off(a).total_cmp(&off(b)));
+        Self {
+            scene: summary.scene.clone(),
+            title: summary.title.clone(),
+            verdict,
+            expected: expect.len(),
+            right,
+            met,
+            worst: worst.map(|e| e.key.clone()),
+            error: worst.and_then(Expected::distance),
+            printed: worst.and_then(|e| Some(e.error? / e.scale())),
+            seconds: summary.seconds,
+            limit: scene.limit.clone(),
+        }
+    }
+}
+
+/// The table, in Markdown.
+pub fn table(cases: &[Case]) -> String {
+    const HEAD: [&str; 7] = ["case", "verdict", "numbers", "error", "printed", "s", "what limits it"];
+    let number =
+        |x: Option<f64>| x.map_or("-".to_owned(), |x| if x == 0.0 { "0".to_owned() } else { format!("{x:.0e}") });
+    let rows: Vec<[String; 7]> = cases
+        .iter()
+        .map(|case| {
+            let seconds = format!("{:.1}", case.seconds);
+            let numbers = format!("{} of {}", case.right, case.expected);
+            let (error, printed) = (number(case.error), number(case.printed));
+            [case.title.clone(), case.verdict.clone(), numbers, error, printed, seconds, case.limit.clone()]
+        })
+        .collect();
+    let width = |k: usize| rows.iter().map(|row| row[k].chars().count()).chain([HEAD[k].len(), 3]).max().unwrap_or(3);
+    let mut out = String::new();
+    let mut line = |cells: &[String]| {
+        let padded = cells.iter().enumerate().map(|(k, cell)| {
+            // The last column is free text and ends the line.
+            if k + 1 == cells.len() { cell.clone() } else { format!("{cell:0$}", width(k)) }
+        });
+        let _ = writeln!(out, "| {} |", padded.collect::<Vec<_>>().join(" | "));
+    };
+    line(&HEAD.map(str::to_owned));
+    line(&std::array::from_fn::<String, 7, _>(|k| "-".repeat(if k == 6 { 3 } else { width(k) })));
+    rows.iter().for_each(|row| line(row));
+    let sum = |of: fn(&Case) -> usize| cases.iter().map(of).sum::<usize>();
+    let (expected, right) = (sum(|case| case.expected), sum(|case| case.right));
+    let seconds: f64 = cases.iter().map(|case| case.seconds).sum();
+    let _ = writeln!(out, "\n{right} of {expected} numbers lie within their printed errors; {seconds:.0} s");
+    out
+}
+
+/// Stores the cases as `cases.json` and the table as `cases.md` in the suite's folder.
+pub fn store(folder: &Path, cases: &[Case]) -> Result<(), RunError> {
+    write_atomically(&folder.join("cases.json"), |file| {
+        serde_json::to_writer_pretty(file, cases).map_err(std::io::Error::from)
+    })?;
+    write_atomically(&folder.join("cases.md"), |file| file.write_all(table(cases).as_bytes()))?;
+    Ok(())
+}
