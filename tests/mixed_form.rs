@@ -131,6 +131,18 @@ fn no_mode_is_spurious() {
     }
 }
 
+#[test]
+fn doublets_may_differ() {
+    let leading = |mut model: Flagellum| {
+        let i = model.index("EI_2");
+        model.p[i] = 900.0;
+        spectrum(&model.problem, (&model.straight(), &model.p), 1e3, 0)[0].0
+    };
+    let (mixed, minimal) = (leading(uniform((6, 8, 1.2))), leading(Flagellum::new(36, Load::Uniform, Law::Printed)));
+    near("growth", mixed.re, minimal.re, 1e-6 * minimal.norm());
+    near("frequency", mixed.im, minimal.im, 1e-6 * minimal.norm());
+}
+
 /// `p_H / exact - 1`.
 fn error(mesh: (usize, usize, f64)) -> f64 {
     let model = uniform(mesh);
@@ -256,9 +268,11 @@ fn both_forms_have_the_same_beats() {
         for (i, o) in model.problem.observables().iter().enumerate() {
             let (a, b) = (extremes(&model, &orbit, i), extremes(&minimal, other, i));
             let size = b.max.abs().max(b.min.abs());
-            near(o.name, a.max, b.max, 2e-5 * size);
-            // The least of largest values in space has a kink in time.
-            if !o.name.starts_with("largest") {
+            // Values at points converge more slowly than integrals, and the least of largest ones has a kink in time.
+            if o.name.starts_with("largest") {
+                near(o.name, a.max, b.max, 1e-4 * size);
+            } else {
+                near(o.name, a.max, b.max, 2e-5 * size);
                 near(o.name, a.min, b.min, 2e-5 * size);
             }
         }

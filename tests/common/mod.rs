@@ -108,7 +108,7 @@ impl Flagellum {
         self.tied()
     }
 
-    /// c_T = c_N/2, b_N = tau_c k_N, b_T = tau_c k_T.
+    /// c_T = c_N/2, b_N = tau_c k_N, b_T = tau_c k_T, EI_2 = EI.
     fn tied(mut self) -> Self {
         let tau_c = self.get("tau_c");
         for (name, value) in [
@@ -116,6 +116,7 @@ impl Flagellum {
             ("b_N", tau_c * self.get("k_N")),
             ("b_T", tau_c * self.get("k_T")),
             ("tau", self.get("c_N") * self.get("L").powi(4) / self.get("EI")),
+            ("EI_2", self.get("EI")),
         ] {
             let i = self.index(name);
             self.p[i] = value;

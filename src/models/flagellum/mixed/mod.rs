@@ -4,10 +4,10 @@
 //! are a system of first order in x,
 //!
 //! ```text
-//! T_x - psi_x N + eps P D  = tau_T v_t        e psi_xx + m + N = 0         v_t,x - psi_x v_n = 0
+//! T_x - psi_x N + eps P D  = tau_T v_t        e_n psi_xx + m + N = 0       v_t,x - psi_x v_n = 0
 //! N_x + psi_x T + eps f_N  = tau_N v_n        f_N,x = -(kappa_N Delta      v_n,x + psi_x v_t = psi_t
 //!                                              + beta_N Delta_t + kappa_3 Delta³)
-//! psi = v = f_N = 0 at x = 0,                 psi_x = T = N = 0 at x = 1;      e = 1, EI_2/EI.
+//! psi = v = f_N = 0 at x = 0,                 psi_x = T = N = 0 at x = 1;      e_1 = 1, e_2 = EI_2/EI.
 //! ```
 //!
 //! The velocities follow from the forces, so that psi_1, psi_2, T_1, T_2, N_1, N_2 and f_N are left, and rates enter linearly
@@ -19,7 +19,7 @@
 //! ```text
 //! int tau_N v_t a_x + psi_x tau_N v_n a                      dx = 0         no stretch
 //! int tau_N v_n b_x + (tau_N psi_t - psi_x tau_N v_t) b      dx = 0         turning is psi_t
-//! int e psi_x q_x - (m + N) q                                dx = 0         balance of moments
+//! int e_n psi_x q_x - (m + N) q                              dx = 0         balance of moments
 //! int f_N g_x - (kappa_N Delta + beta_N Delta_t + kappa_3 Delta³) g dx = 0
 //! ```
 //!
@@ -44,7 +44,7 @@
 //! - `f_N = -Pi int_0^x (kappa_N Delta + beta_N Delta_t)` is the adjoint of the former: after elimination of the forces
 //!
 //!   ```text
-//!   tau_N <Pi W_t, Pi Q> + kappa_N <Pi H, Pi E> + beta_N <Pi H_t, Pi E> + <psi_x, q_x> + shear + load = 0,
+//!   tau_N <Pi W_t, Pi Q> + kappa_N <Pi H, Pi E> + beta_N <Pi H_t, Pi E> + <e_n psi_x, q_x> + shear + load = 0,
 //!   ```
 //!
 //!   Q = int_0^x q, H = W_1 - W_2 and E = Q_1 - Q_2: symmetric, and positive term by term, but for the load, which is of lower

@@ -64,8 +64,7 @@ fn energy(model: &MixedTwoDoublet, at: At) -> f64 {
         for (i, weight) in elements.weights.iter().enumerate() {
             let (h, mean) = (begin + inside[i], 0.5 * (psi[0][i] + psi[1][i]));
             let (h2, m2) = (h * h, mean * mean);
-            let [first, second] = [0, 1].map(|n| groups.bending[n] * bend[n][i] * bend[n][i]);
-            let bending = 0.5 * (first + second);
+            let bending: f64 = (0..2).map(|n| 0.5 * groups.bending[n] * bend[n][i] * bend[n][i]).sum();
             let cubic = if model.law == Law::Separation { 0.25 * groups.kappa_3n * h2 * h2 } else { 0.0 };
             let shear = groups.kappa_t * m2 + 0.5 * groups.kappa_3t * m2 * m2;
             sum += width * weight * (bending + 0.5 * groups.kappa_n * h2 + cubic + shear);
