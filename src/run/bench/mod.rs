@@ -93,12 +93,11 @@ pub fn bench(scene: &Scene, options: &RunOptions) -> Result<Report, RunError> {
     let mut progress = Progress { watch: &watch, done: 0.0, total: total as f64 };
     let quantities = quantities(study, &mut progress);
     let mut families = Vec::new();
-    'families: for family in &study.families {
+    for family in &study.families {
         let mut line = FamilyLine::new(family);
         for variant in &family.variants {
             if interrupted() {
-                families.push(line);
-                break 'families;
+                break;
             }
             progress.step(&family.name, variant);
             let sample = Sample::timed(variant);

@@ -14,7 +14,8 @@ impl Report {
             self.reach(&mut out, quantity);
         }
         let _ = writeln!(out, "\nprinted errors: {}", words(self.coverage()));
-        let _ = writeln!(out, "{:.1} s; data and figures in {folder}", self.seconds);
+        let interrupted = if self.interrupted { "interrupted; " } else { "" };
+        let _ = writeln!(out, "{interrupted}{:.1} s; data and figures in {folder}", self.seconds);
         out
     }
 
