@@ -122,6 +122,16 @@ fn every_scene_meets_its_expectations() {
     }
     let page = fs::read_to_string(problems().join("README.md")).unwrap();
     assert_eq!(page.matches("\n## ").count(), seen, "problems/README.md shows scenes that are gone");
+    // The suite and the studies take minutes: here it is only seen that the page has them all.
+    let files = |folder: &str| -> Vec<String> {
+        let entries = fs::read_dir(problems().join(folder)).unwrap().map(|entry| entry.unwrap().path());
+        entries.map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned()).collect()
+    };
+    for study in files("bench") {
+        assert!(page.contains(&format!("\n### {study}\n")), "problems/README.md lacks the study {study}");
+    }
+    let cases = &page[page.find("\n# Extreme cases").unwrap()..page.find("\n# Work and precision").unwrap()];
+    assert_eq!(cases.matches("\n| ").count(), files("extreme").len() + 2, "problems/README.md has other extreme cases");
 }
 
 #[test]

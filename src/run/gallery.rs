@@ -1,13 +1,17 @@
 //! `hopfline gallery`: the page of a folder of scenes, from stored results: what each shows, a figure, its numbers with
-//! their errors, and its time.
+//! their errors, and its time; then suites and studies in folders of it.
 
+use super::bench::Report;
 use super::summary::{Expected, Summary, with_error};
-use super::{RunError, ready};
+use super::{RunError, ready, suite};
 use crate::branch::write_atomically;
 use crate::scene::Scene;
 use std::fmt::Write;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+
+/// A file to write and what it holds.
+type Figure = (PathBuf, Vec<u8>);
 
 /// Writes `README.md` into the folder of scenes, and one figure of each scene into `gallery` beside the results, from
 /// what runs left in `results`. Returns the page's path. Fails, and writes nothing, where a scene has no results or some
@@ -30,7 +34,7 @@ pub fn gallery(folder: &Path, results: &Path) -> Result<PathBuf, RunError> {
         entries.push((scene, summary));
     }
     // Read before anything is written.
-    let mut figures = Vec::new();
+    let mut figures: Vec<Figure> = Vec::new();
     for (scene, summary) in &entries {
         if let Some(figure) = summary.figures.first() {
             let path = results.join(&scene.name).join("figures").join(format!("{}.svg", figure.name));
@@ -39,13 +43,57 @@ pub fn gallery(folder: &Path, results: &Path) -> Result<PathBuf, RunError> {
             figures.push((results.join("gallery").join(format!("{}.svg", scene.name)), svg));
         }
     }
-    let text = page(&entries)?;
+    let mut text = page(&entries)?;
+    let (suite, studies) = (folder.join("extreme"), folder.join("bench"));
+    if suite.is_dir() {
+        text += &cases(&suite, results)?;
+    }
+    if studies.is_dir() {
+        text += "\n# Work and precision\n\nStudies that `hopfline bench` runs: what an error of a number costs in families of settings.\n";
+        for path in scenes(&studies)? {
+            let (section, figure) = study(&path, results)?;
+            text += &section;
+            figures.extend(figure);
+        }
+    }
     for (path, svg) in figures {
         write_atomically(&path, |file| file.write_all(&svg))?;
     }
     let path = folder.join("README.md");
     write_atomically(&path, |file| file.write_all(text.as_bytes()))?;
     Ok(path)
+}
+
+/// A suite's table.
+fn cases(folder: &Path, results: &Path) -> Result<String, RunError> {
+    let stored = suite::folder(folder, results);
+    let cases = suite::load(&stored)?;
+    let scenes = Scene::load_all(folder, &[])?;
+    if !cases.iter().map(|case| &case.scene).eq(scenes.iter().map(|scene| &scene.name)) {
+        let (stored, folder) = (stored.display(), folder.display());
+        return Err(RunError::Input(format!(
+            "{stored} holds results of other scenes than {folder}: run that folder again"
+        )));
+    }
+    Ok(format!(
+        "\n# Extreme cases\n\nWhat `hopfline run {}` prints at its end: the number that is furthest off in each scene, its true and its \
+         printed error\n(relative), and how many numbers lie within their printed errors.\n\n{}",
+        folder.display(),
+        suite::table(&cases)
+    ))
+}
+
+/// A study's section, and its first figure with the place it goes to.
+fn study(path: &Path, results: &Path) -> Result<(String, Option<Figure>), RunError> {
+    let name = path.file_stem().unwrap_or_default().to_string_lossy();
+    let stored = results.join("bench").join(&*name);
+    let report = Report::read(&stored)?.ok_or_else(|| {
+        RunError::Input(format!("{} holds no bench.json: run `hopfline bench {name}`", stored.display()))
+    })?;
+    let file = format!("bench-{name}.svg");
+    let figure = report.figures()?.into_iter().next();
+    let figure = figure.map(|(_, svg)| (results.join("gallery").join(&file), svg.into_bytes()));
+    Ok((report.section(&format!("../output/gallery/{file}")), figure))
 }
 
 /// The scene files of a folder, by name.
@@ -71,7 +119,7 @@ fn page(entries: &[(Scene, Summary)]) -> Result<String, RunError> {
         .to_owned();
     for (scene, summary) in entries {
         let met = summary.expect.iter().filter(|e| e.met).count();
-        let worst = summary.expect.iter().filter_map(distance).fold(0.0, f64::max);
+        let worst = summary.expect.iter().filter_map(Expected::distance).fold(0.0, f64::max);
         let count = summary.expect.len();
         let _ = writeln!(
             out,
@@ -83,12 +131,6 @@ fn page(entries: &[(Scene, Summary)]) -> Result<String, RunError> {
         out += &section(scene, summary)?;
     }
     Ok(out)
-}
-
-/// How far a number is from what was expected, in parts of that.
-fn distance(expected: &Expected) -> Option<f64> {
-    let scale = if expected.expected == 0.0 { 1.0 } else { expected.expected.abs() };
-    expected.value.map(|value| (value - expected.expected).abs() / scale)
 }
 
 /// One scene's part of the page.
@@ -113,13 +155,11 @@ pub fn section(scene: &Scene, summary: &Summary) -> Result<String, RunError> {
     }
     out += "| number | found | expected | off by | source |\n|---|---|---|---|---|\n";
     for (promised, expected) in scene.expect.iter().zip(&summary.expect) {
-        let point = summary.points.iter().find(|point| point.label == promised.label);
-        let error = point.and_then(|point| point.errors.get(&promised.quantity));
-        let found = expected.value.map_or("not found".to_owned(), |value| match error {
-            Some(_) => with_error(value, error),
+        let found = expected.value.map_or("not found".to_owned(), |value| match &expected.error {
+            Some(error) => with_error(value, Some(error)),
             None => format!("{value}"),
         });
-        let off = distance(expected).map_or(String::new(), |distance| format!("{distance:.0e}"));
+        let off = expected.distance().map_or(String::new(), |distance| format!("{distance:.0e}"));
         let verdict = if expected.met { "" } else { " **missed**" };
         let _ =
             writeln!(out, "| {} | {found} | {} | {off}{verdict} | {} |", expected.key, promised.value, promised.source);

@@ -109,6 +109,16 @@ pub fn table(cases: &[Case]) -> String {
     out
 }
 
+/// The cases that the last run of a suite left in its folder.
+pub fn load(folder: &Path) -> Result<Vec<Case>, RunError> {
+    let path = folder.join("cases.json");
+    let text = std::fs::read(&path).map_err(|e| {
+        RunError::Input(format!("cannot read {}: {e}; run the folder of scenes first, as a whole", path.display()))
+    })?;
+    serde_json::from_slice(&text)
+        .map_err(|e| RunError::Input(format!("{} holds no cases of a suite: {e}", path.display())))
+}
+
 /// Stores the cases as `cases.json` and the table as `cases.md` in the suite's folder.
 pub fn store(folder: &Path, cases: &[Case]) -> Result<(), RunError> {
     write_atomically(&folder.join("cases.json"), |file| {

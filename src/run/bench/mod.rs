@@ -2,6 +2,7 @@
 
 mod figure;
 mod fit;
+mod page;
 mod report;
 mod sample;
 mod table;

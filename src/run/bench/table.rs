@@ -100,7 +100,7 @@ fn row(line: &SettingLine, quantity: &str) -> String {
     )
 }
 
-fn conclusion(family: &FamilyLine, quantity: &str) -> String {
+pub(super) fn conclusion(family: &FamilyLine, quantity: &str) -> String {
     let law = |law: Option<Power>, what: &str| {
         law.map(|law| {
             let deviation = law.deviation.map_or(String::new(), |deviation| format!(" ± {deviation:.1}"));
@@ -115,7 +115,7 @@ fn conclusion(family: &FamilyLine, quantity: &str) -> String {
     format!("{order}; printed errors: {}", words(coverage))
 }
 
-fn words(coverage: Coverage) -> String {
+pub(super) fn words(coverage: Coverage) -> String {
     let open = match coverage.undecided {
         0 => String::new(),
         n => format!(", {n} undecided"),
@@ -127,7 +127,7 @@ fn words(coverage: Coverage) -> String {
 }
 
 /// Three digits.
-fn significant(value: f64) -> String {
+pub(super) fn significant(value: f64) -> String {
     if value != 0.0 && !(1e-3..1e4).contains(&value.abs()) {
         return format!("{value:.1e}");
     }
