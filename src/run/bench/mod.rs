@@ -102,6 +102,10 @@ pub fn bench(scene: &Scene, options: &RunOptions) -> Result<Report, RunError> {
             }
             progress.step(&family.name, variant);
             let sample = Sample::timed(variant);
+            // What was cut short says nothing of the setting.
+            if interrupted() && sample.numbers.is_err() {
+                break;
+            }
             line.settings.push(setting(variant, &sample, &quantities));
         }
         for quantity in &quantities {
