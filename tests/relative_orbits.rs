@@ -546,7 +546,7 @@ fn what_has_no_relative_orbits_is_refused() {
     for (from, to, wanted) in [
         (start, "from = \"wave/EP1\"", "rotating wave"),
         (start, "from = \"rest/HB1\"", "start at \"TASK/NS1\""),
-        ("multipliers = 2\n", "multipliers = 2\ndetect = [\"PD\"]\n", "not looked for"),
+        ("multipliers = 2\n", "multipliers = 2\ndetect = [\"BPC\"]\n", "not looked for"),
         ("rotations = [\"a -> -b, b -> a\"]\n", "", "needs a model with rotations"),
         (quarter, "a -> -b", "quarter turn"),
         (quarter, "a -> -x, x -> a", "is no symmetry"),
