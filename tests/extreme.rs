@@ -84,7 +84,11 @@ range = [0, 500]
     assert!(!summary.success() && summary.tasks.len() == 1);
     assert_eq!(summary.tasks[0].reason, "the budget of 0.000000001 s is spent");
     assert!(summary.tasks[0].points >= 1 && summary.points.iter().any(|point| point.label == "first/EP1"));
-    assert!(Case::new(&scene, &summary).verdict.starts_with("STOPPED: first: the budget"));
+    let case = Case::new(&scene, &summary);
+    assert_eq!(
+        (case.verdict.as_str(), case.reason.as_str()),
+        ("STOPPED", "first: the budget of 0.000000001 s is spent")
+    );
     let longer = Scene::parse(text, &PathBuf::from("spent.toml"), &["budget=600".to_owned()]).unwrap();
     assert_eq!(longer.budget, Some(600.0));
 }
@@ -102,7 +106,6 @@ fn ends_are_expected_by_their_reason() {
         let scene = Scene::parse(&text(reason), &PathBuf::from("ends.toml"), &[]).unwrap_or_else(|e| panic!("{e}"));
         let summary = run(&scene);
         assert_eq!(summary.success(), success, "{}", summary.table(""));
-        let verdict = Case::new(&scene, &summary).verdict;
-        assert!(verdict.starts_with(if success { "stops as expected" } else { "STOPPED" }), "{verdict}");
+        assert_eq!(Case::new(&scene, &summary).verdict, if success { "stops as expected" } else { "STOPPED" });
     }
 }

@@ -27,10 +27,11 @@ pub struct Case {
     pub scene: String,
     pub title: String,
     pub verdict: String,
-    /// Expected numbers, how many of them are within their printed error, and how many within their tolerance.
+    /// Why tasks stopped that were not done.
+    pub reason: String,
+    /// Expected numbers with a printed error, and how many are within it.
     pub expected: usize,
     pub right: usize,
-    pub met: usize,
     /// The number that is furthest off, relatively (absolutely where zero is expected): true and printed error.
     pub worst: Option<String>,
     pub error: Option<f64>,
@@ -43,18 +44,18 @@ pub struct Case {
 impl Case {
     pub fn new(scene: &Scene, summary: &Summary) -> Self {
         let expect = &summary.expect;
-        let right = expect.iter().filter(|e| e.right()).count();
-        let met = expect.iter().filter(|e| e.met).count();
+        let printed: Vec<&Expected> = expect.iter().filter(|e| e.error.is_some()).collect();
+        let right = printed.iter().filter(|e| e.right()).count();
+        let missed = expect.iter().filter(|e| !e.met).count();
         let stopped: Vec<String> = (summary.tasks.iter().filter(|task| task.status != Status::Done))
             .map(|task| format!("{}: {}", task.name, task.reason))
             .collect();
-        let verdict = if met < expect.len() {
-            format!("MISSED {} of {}", expect.len() - met, expect.len())
+        let verdict = if missed > 0 {
+            format!("MISSED {missed} of {}", expect.len())
         } else if !stopped.is_empty() {
-            let why = if summary.success() { "stops as expected" } else { "STOPPED" };
-            format!("{why}: {}", stopped.join("; "))
-        } else if right < expect.len() {
-            format!("{right} of {} right, the others within tolerance", expect.len())
+            if summary.success() { "stops as expected" } else { "STOPPED" }.to_owned()
+        } else if right < printed.len() {
+            "within tolerance".to_owned()
         } else {
             "right".to_owned()
         };
@@ -64,9 +65,9 @@ impl Case {
             scene: summary.scene.clone(),
             title: summary.title.clone(),
             verdict,
-            expected: expect.len(),
+            reason: stopped.join("; "),
+            expected: printed.len(),
             right,
-            met,
             worst: worst.map(|e| e.key.clone()),
             error: worst.and_then(Expected::distance),
             printed: worst.and_then(|e| Some(e.error? / e.scale())),

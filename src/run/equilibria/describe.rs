@@ -148,6 +148,12 @@ pub fn estimate(
         let known = point.errors.entry(name).or_insert(0.0);
         *known = known.max(error);
     }
+    // Rounding moves an eigenvalue in any direction, not along one axis.
+    if let (None, Some(&growth), Some(&omega)) = (lambda, point.errors.get("growth"), point.errors.get("omega")) {
+        let moved = growth.max(omega);
+        let all = [("growth", moved), ("omega", moved), ("frequency", moved / (2.0 * PI))];
+        point.errors.extend(all.map(|(name, error)| (name.to_owned(), error)));
+    }
     true
 }
 
