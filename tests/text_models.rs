@@ -294,8 +294,9 @@ fn what_cannot_be_imported_is_said_with_its_line() {
 
 /// Shipped scenes with models as text.
 fn written_scenes() -> Vec<String> {
-    let entries = fs::read_dir(problems()).unwrap().map(|entry| fs::read_to_string(entry.unwrap().path()).unwrap());
-    entries.filter(|text| text.contains("equations")).collect()
+    let paths = fs::read_dir(problems()).unwrap().map(|entry| entry.unwrap().path());
+    let scenes = paths.filter(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    scenes.map(|path| fs::read_to_string(path).unwrap()).filter(|text| text.contains("equations")).collect()
 }
 
 proptest! {
