@@ -123,7 +123,7 @@ pub fn estimate(
     let free = &prepared.free_name;
     for (name, step) in rounding(sample, free) {
         let value = point.parameters.get(&name).or(point.values.get(&name)).copied().unwrap_or(0.0);
-        point.errors.insert(name, (SAFETY * step).max(error(value, value)));
+        point.errors.insert(name, (SCATTER * step).max(error(value, value)));
     }
     let Some(refined) = prepared.problem.refined() else { return true };
     let Some((lambda, fine)) = finer(prepared, system, &refined, (sample, neighbours), spectra) else {
@@ -228,8 +228,11 @@ fn finer(
 }
 
 /// What is missing beyond the refined discretisation is covered by this factor (spectral methods lack a sixth of the
-/// difference, measured); a last Newton step is one sample of what rounding does.
-pub const SAFETY: f64 = 2.0;
+/// difference, measured).
+const SAFETY: f64 = 2.0;
+/// A last Newton step is one sample of what rounding does, the error another: of two samples of one normal distribution
+/// one exceeds ten times the other in 6 of 100 cases; less often where the larger of two steps is known.
+pub const SCATTER: f64 = 10.0;
 
 /// Twice the difference, but not less than rounding.
 pub fn error(value: f64, fine: f64) -> f64 {

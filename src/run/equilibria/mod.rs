@@ -23,7 +23,7 @@ use std::time::Instant;
 use values::user_values;
 use walk::{Walked, Wanted, walk};
 
-pub use describe::{SAFETY, error};
+pub use describe::{SCATTER, error};
 
 /// Numbers of special points that are neither observables nor eigenvalues.
 pub const VALUES: [&str; 10] =

@@ -6,7 +6,7 @@ use crate::bifurcation::{Bautin, BogdanovTakens, DoubleHopf, HopfCurve, HopfSegm
 use crate::branch::{Array, Branch, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Counts, Point};
 use crate::problem::Problem;
-use crate::run::equilibria::{SAFETY, error};
+use crate::run::equilibria::{SCATTER, error};
 use crate::run::outcome::labels;
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -61,7 +61,7 @@ impl Curve<'_> {
     fn rounding(&self, sample: &Sample, name: &str) -> f64 {
         let (p, omega) = sample.here.as_ref().map_or((0.0, 0.0), |here| here.hopf.rounding);
         let free = self.prepared.problem.parameters()[sample.free].name;
-        SAFETY
+        SCATTER
             * match name {
                 "omega" => omega,
                 "frequency" => omega / (2.0 * PI),
