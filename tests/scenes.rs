@@ -83,7 +83,8 @@ fn assert_on_page(results: &Results) {
     let stale = "problems/README.md is stale: run `hopfline run problems/*.toml && hopfline gallery problems`";
     let head = format!("\n## {}\n", results.name);
     let start = page.find(&head).unwrap_or_else(|| panic!("{stale}; it has no {}", results.name));
-    let end = page[start + 1..].find("\n## ").map_or(page.len(), |end| start + 1 + end);
+    let ends = ["\n## ", "\n# "].map(|head| page[start + 1..].find(head).map_or(page.len(), |end| start + 1 + end));
+    let end = ends[0].min(ends[1]);
     let (old, new) = (page[start..end].trim(), section.trim());
     assert_eq!(old.lines().count(), new.lines().count(), "{stale}; {}", results.name);
     for (old, new) in old.lines().zip(new.lines()) {
