@@ -1,24 +1,25 @@
 //! Corrections with factors that are already there, from the last point of the curve.
 //!
-//! Broyden's method: the inverse of the old matrix is corrected by what each step teaches,
+//! Anderson's method, which is GMRES as far as H is linear: with `f(x) = -B^-1 H(x)`, B the old matrix, the next iterate is
+//! what f leads to from that point among the affine combinations of all iterates so far where f is smallest,
 //!
 //! ```text
-//! s_0 = -B^-1 H(x_0),    z = -B^-1 H(x_k) + sum_j s_{j+1} <s_j, z> / <s_j, s_j>,    s_k = z / (1 - <s, z> / <s, s>),
+//! x_{k+1} = x_k + f_k - sum_j c_j (dx_j + df_j),      |f_k - sum_j c_j df_j| -> min in the metric,
 //! ```
 //!
-//! z being updated as the sum goes on and s the last step (Kelley 1995, doi:10.1137/1.9781611970944, section 7.3). It
-//! converges superlinearly for the price of a residual and a solution a step; a factorisation costs as much as dozens of
-//! those in large systems.
+//! dx_j and df_j the changes from one iterate to the next (Walker and Ni 2011, doi:10.1137/10078356X; with Broyden's
+//! method, which keeps one secant a step, curves turn out to need two to four steps more). It converges superlinearly for the
+//! price of a residual and a solution a step; a factorisation costs as much as dozens of those in large systems.
 
 use super::corrector::TOLERANCE;
 use super::{Counts, Factored, Failure, System, inner};
 use crate::linalg::finite;
 
-/// Steps that shrink less than this tell that the factors are of no use here; the first two need not shrink, for the
-/// hyperplane and other rows of the factors' system may differ from those of the present one.
+/// Where what is left shrinks less than this in a step, the factors are of no use here; it need not in the first steps,
+/// for the hyperplane and other rows of the factors' system may differ from those of the present one;
 const SLOWEST: f64 = 0.5;
-/// A rate of convergence is not relied on beyond this: superlinear steps are not as regular as linear ones.
-const FASTEST: f64 = 0.1;
+/// but it never grows more than this.
+const WORST: f64 = 5.0;
 const MOST_STEPS: usize = 12;
 
 /// A solution on the hyperplane of the factors' own border through the start.
@@ -30,58 +31,93 @@ pub struct Settled {
     pub distance: f64,
 }
 
+/// An iterate, and what the steps to it have taught.
+pub struct Chord<'a, S: System> {
+    system: &'a S,
+    factors: &'a S::Factors,
+    pub x: Vec<f64>,
+    pub lambda: f64,
+    /// The last step with the f before it.
+    last: Option<(Vec<f64>, Vec<f64>)>,
+    /// Changes of f, made orthonormal, each with the same combination of the changes of the iterate.
+    pairs: Vec<(Vec<f64>, Vec<f64>)>,
+}
+
+impl<'a, S: System> Chord<'a, S> {
+    pub fn new(system: &'a S, (x, lambda): (Vec<f64>, f64), factors: &'a S::Factors) -> Self {
+        Self { system, factors, x, lambda, last: None, pairs: Vec::new() }
+    }
+
+    /// One step; |f| after it as far as f is linear: the distance that is left to the solution.
+    pub fn advance(&mut self, counts: &mut Counts) -> Result<f64, Failure> {
+        let n = self.x.len();
+        let product = |a: &[f64], b: &[f64]| inner(self.system, (&a[..n], a[n]), (&b[..n], b[n]));
+        let mut f = vec![0.0; n + 1];
+        self.system.residual(&self.x, self.lambda, &mut f[..n]);
+        counts.residuals += 1;
+        if !finite(&f) {
+            return Err(Failure::NotFinite);
+        }
+        self.factors.solve(&mut f);
+        counts.newton += 1;
+        f.iter_mut().for_each(|f| *f = -*f);
+        if let Some((mut p, before)) = self.last.take() {
+            let mut q: Vec<f64> = f.iter().zip(&before).map(|(f, before)| f - before).collect();
+            for (p_j, q_j) in &self.pairs {
+                let share = product(q_j, &q);
+                add(-share, q_j, &mut q);
+                add(-share, p_j, &mut p);
+            }
+            let length = product(&q, &q).sqrt();
+            if length > 0.0 {
+                p.iter_mut().chain(&mut q).for_each(|entry| *entry /= length);
+                self.pairs.push((p, q));
+            }
+        }
+        let (mut step, mut left) = (f.clone(), f.clone());
+        for (p, q) in &self.pairs {
+            let share = product(q, &left);
+            add(-share, q, &mut left);
+            add(-share, q, &mut step);
+            add(-share, p, &mut step);
+        }
+        if !finite(&step) {
+            return Err(Failure::NotFinite);
+        }
+        add(1.0, &step[..n], &mut self.x);
+        self.lambda += step[n];
+        self.last = Some((step, f));
+        Ok(product(&left, &left).sqrt())
+    }
+}
+
+/// `y += factor x`.
+fn add(factor: f64, x: &[f64], y: &mut [f64]) {
+    y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
+}
+
 /// Solves `H = 0` from a start; an error where the factors are too far from those of the solution.
 pub fn settle<S: System>(
     system: &S,
-    (mut x, mut lambda): (Vec<f64>, f64),
+    start: (Vec<f64>, f64),
     factors: &S::Factors,
     counts: &mut Counts,
 ) -> Result<Settled, Failure> {
-    let n = x.len();
-    let start = (x.clone(), lambda);
-    let product = |a: &[f64], b: &[f64]| inner(system, (&a[..n], a[n]), (&b[..n], b[n]));
-    let mut steps: Vec<Vec<f64>> = Vec::new();
-    let mut sizes: Vec<f64> = Vec::new();
+    let mut chord = Chord::new(system, start.clone(), factors);
+    let mut last = f64::INFINITY;
     for count in 1..=MOST_STEPS {
-        let mut z = vec![0.0; n + 1];
-        system.residual(&x, lambda, &mut z[..n]);
-        counts.residuals += 1;
-        if !finite(&z) {
-            return Err(Failure::NotFinite);
-        }
-        factors.solve(&mut z);
-        counts.newton += 1;
-        z.iter_mut().for_each(|z| *z = -*z);
-        for (pair, size) in steps.windows(2).zip(&sizes) {
-            let share = product(&pair[0], &z) / size;
-            z.iter_mut().zip(&pair[1]).for_each(|(z, s)| *z += share * s);
-        }
-        if let (Some(last), Some(size)) = (steps.last(), sizes.last()) {
-            let factor = 1.0 / (1.0 - product(last, &z) / size);
-            z.iter_mut().for_each(|z| *z *= factor);
-        }
-        if !finite(&z) {
-            return Err(Failure::NotFinite);
-        }
-        x.iter_mut().zip(&z).for_each(|(x, z)| *x += z);
-        lambda += z[n];
-        let size = product(&z, &z);
-        let rate = sizes.last().map_or(0.0, |last: &f64| (size / last).sqrt());
-        let length = size.sqrt();
-        // As in the corrector: a linear rate would leave this, and nothing is known of it after one step.
-        let sure = rate.max(FASTEST);
-        let left = if count > 1 { length * sure / (1.0 - sure) } else { length };
-        if rate < SLOWEST && left < TOLERANCE {
+        let left = chord.advance(counts)?;
+        if left < TOLERANCE {
+            let Chord { x, lambda, .. } = chord;
             let difference: Vec<f64> = x.iter().zip(&start.0).map(|(a, b)| a - b).collect();
             let moved = (&difference[..], lambda - start.1);
             let distance = inner(system, moved, moved).sqrt();
             return Ok(Settled { x, lambda, steps: count, distance });
         }
-        if count > 3 && rate > SLOWEST || rate > 5.0 {
-            return Err(Failure::Diverged(length));
+        if count > 3 && left > SLOWEST * last || left > WORST * last {
+            return Err(Failure::Diverged(left));
         }
-        steps.push(z);
-        sizes.push(size);
+        last = left;
     }
-    Err(Failure::Diverged(sizes.last().map_or(f64::INFINITY, |size| size.sqrt())))
+    Err(Failure::Diverged(last))
 }

@@ -14,6 +14,7 @@ mod step;
 mod walk;
 
 pub use between::{at_fraction, at_lambda, crossing};
+pub use chord::Chord;
 pub use corrector::{Corrected, Failure, correct};
 pub use manifold::{Bound, Chart, Cover, CoverControl, Surface};
 pub use step::StepControl;

@@ -29,12 +29,47 @@ pub enum Stop {
 pub struct WalkState {
     pub point: Point,
     pub control: StepControl,
-    /// Change of the tangent per arclength over the last step, for the predictor.
-    bend: Option<(Vec<f64>, f64)>,
+    bend: Option<Bend>,
     first: Option<Point>,
     steps: usize,
     /// The border of the factors at the point, if they are at hand for the next step.
     border: Option<Border>,
+}
+
+/// The cubic through the last two points along their tangents, `x(s) = x + s t + s² a + s³ b`, with s the arclength beyond
+/// the last one: the predictor. Entries are those of x, and that of lambda.
+#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
+struct Bend {
+    a: Vec<f64>,
+    b: Vec<f64>,
+}
+
+impl Bend {
+    /// With D the difference of the points over the arclength l between them,
+    ///
+    /// ```text
+    /// a = (t_0 + 2 t_1 - 3 D) / l,      b = (t_0 + t_1 - 2 D) / l²;
+    /// ```
+    ///
+    /// l is that of the circle on the chord on which tangents turn by the angle between them.
+    fn new(from: &Point, to: &Point, chord: f64, angle: f64) -> Self {
+        let half = 0.5 * angle.max(1e-6);
+        let l = chord * half / half.sin();
+        let entries = |point: &Point| {
+            let x = point.x.iter().copied().chain([point.lambda]);
+            let t = point.tangent.iter().copied().chain([point.tangent_lambda]);
+            x.zip(t).collect::<Vec<_>>()
+        };
+        let (a, b) = entries(from)
+            .into_iter()
+            .zip(entries(to))
+            .map(|((x, t), (x_1, t_1))| {
+                let d = (x_1 - x) / l;
+                ((t + 2.0 * t_1 - 3.0 * d) / l, (t + t_1 - 2.0 * d) / (l * l))
+            })
+            .unzip();
+        Self { a, b }
+    }
 }
 
 /// A step from one solution to the next, both on the same mesh.
@@ -131,9 +166,9 @@ impl<'a, S: System> Walk<'a, S> {
     fn predict(&self, from: &Point, h: f64) -> (Vec<f64>, f64) {
         let mut x: Vec<f64> = from.x.iter().zip(&from.tangent).map(|(x, t)| x + h * t).collect();
         let mut lambda = from.lambda + h * from.tangent_lambda;
-        if let Some((bend, bend_lambda)) = &self.state.bend {
-            x.iter_mut().zip(bend).for_each(|(x, b)| *x += 0.5 * h * h * b);
-            lambda += 0.5 * h * h * bend_lambda;
+        if let Some(Bend { a, b }) = &self.state.bend {
+            let entries = x.iter_mut().chain([&mut lambda]);
+            entries.zip(a.iter().zip(b)).for_each(|(x, (a, b))| *x += h * h * (a + h * b));
         }
         (x, lambda)
     }
@@ -147,8 +182,10 @@ impl<'a, S: System> Walk<'a, S> {
         let cosine =
             inner(&*self.system, (&from.tangent, from.tangent_lambda), (&to.tangent, to.tangent_lambda)).min(1.0);
         self.state.control.succeed(corrected.steps, cosine.acos(), corrected.distance / h);
-        let bend = to.tangent.iter().zip(&from.tangent).map(|(a, b)| (a - b) / h).collect();
-        self.state.bend = Some((bend, (to.tangent_lambda - from.tangent_lambda) / h));
+        let gap: Vec<f64> = to.x.iter().zip(&from.x).map(|(a, b)| a - b).collect();
+        let gap = (&gap[..], to.lambda - from.lambda);
+        let chord = inner(&*self.system, gap, gap).sqrt();
+        self.state.bend = Some(Bend::new(&from, &to, chord, cosine.acos()));
         self.state.steps += 1;
         let stop = self.closed(&to, h).then_some(Stop::Closed);
         if self.state.first.is_none() {

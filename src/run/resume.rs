@@ -3,6 +3,7 @@
 //! One file per task in `resume/`: the outcome of a finished task, or the state of the walk after its last point. Each
 //! is written whole or not at all, so that a kill at any moment leaves the one before.
 
+use super::cycles::Place;
 use super::outcome::{Outcome, Status};
 use crate::branch::{Branch, write_atomically};
 use crate::continuation::{Counts, WalkState};
@@ -20,6 +21,8 @@ pub struct Checkpoint {
     /// The orbit that the system referred its phase to at the last point.
     pub orbit: Orbit,
     pub walk: WalkState,
+    /// Where the factors that errors are found with are from.
+    pub refined: Option<Place>,
     pub counts: Counts,
     pub seconds: f64,
     /// How the first of two ways ended, if this is the second.

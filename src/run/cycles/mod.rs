@@ -3,11 +3,13 @@
 
 mod origin;
 mod quantities;
+mod refinement;
 mod relative;
 mod rows;
 mod special;
 
 pub use quantities::{Average, columns, measure};
+pub use refinement::Place;
 pub use rows::empty;
 pub use special::{VALUES, angle};
 
@@ -23,7 +25,8 @@ use crate::problem::{Problem, Reflection};
 use crate::scene;
 pub use origin::INTERVALS;
 use origin::Origin;
-use rows::Pending;
+use refinement::Refinement;
+use rows::{Maker, Pending};
 use special::{Between, Special, endless};
 use std::time::Instant;
 use thiserror::Error;
@@ -72,8 +75,9 @@ struct Cycles<'a> {
     prepared: &'a Prepared,
     task: &'a scene::Cycles,
     branch: Branch,
-    /// Accepted points that are not rows yet: rows are made side by side, several at a time.
+    /// Accepted points that are not rows yet: they become so beside the walk's next step.
     pending: Vec<Pending>,
+    maker: Maker<'a>,
     /// How the first of two ways ended, once it has.
     behind: Option<(Status, String)>,
     /// The stretch of the free parameter in which bifurcations could not be looked for.
@@ -86,9 +90,6 @@ enum End {
     /// At a homoclinic orbit or a Hopf point, in a sentence.
     Recognised(String),
 }
-
-/// Rows made at once.
-const BATCH: usize = 8;
 
 /// What stands beside a running task: where its state is kept, who watches, since when and how long before that.
 #[derive(Clone, Copy)]
@@ -124,7 +125,8 @@ pub fn run(
     let before = kept.as_ref().map_or(0.0, |kept| kept.seconds);
     let mut counts = kept.as_ref().map_or_else(Counts::default, |kept| kept.counts);
     let branch = empty(prepared, name, task);
-    let mut cycles = Cycles { prepared, task, branch, pending: Vec::new(), behind: None, blind: None };
+    let maker = Maker::new(prepared, task, branch.columns.clone());
+    let mut cycles = Cycles { prepared, task, branch, pending: Vec::new(), maker, behind: None, blind: None };
     let (status, mut reason) = match cycles.both_ways(from, kept, Tools { keeper, watch, start, before }, &mut counts) {
         Ok(end) => end,
         Err(failure) => (Status::Failed, failure.to_string()),
@@ -184,6 +186,7 @@ impl Cycles<'_> {
         let count = self.branch.rows.len();
         self.branch.rows.reverse();
         self.branch.points.iter_mut().for_each(|point| point.row = count - 1 - point.row);
+        self.maker.refinement = Refinement::default();
     }
 
     fn follow(
@@ -198,9 +201,11 @@ impl Cycles<'_> {
         let (low, high) = (along.range.from, along.range.to);
         let onset = origin.onset(self.prepared.free);
         let (mut system, state, mut signs, mut passages) = match kept {
-            Some(Checkpoint { branch, orbit, walk, signs, passages, .. }) => {
+            Some(Checkpoint { branch, orbit, walk, refined, signs, passages, .. }) => {
                 self.branch = branch;
-                (Collocation::new(self.frame(origin)?, &orbit), walk, signs, passages)
+                let frame = self.frame(origin)?;
+                self.maker.refinement = Refinement::at(self.prepared, &frame, refined);
+                (Collocation::new(frame, &orbit), walk, signs, passages)
             }
             None => {
                 let (system, state) = self.start(origin, way, counts)?;
@@ -216,14 +221,13 @@ impl Cycles<'_> {
         loop {
             let stopping = watch.stopped();
             let keeping = stopping || keeper.due();
-            if self.pending.len() >= BATCH || keeping {
-                self.make_rows(counts);
-            }
             if keeping {
+                self.make_rows(counts);
                 keeper.keep(Checkpoint {
                     branch: self.branch.clone(),
                     orbit: walk.system.reference().clone(),
                     walk: walk.state.clone(),
+                    refined: self.maker.refinement.place(),
                     counts: *counts,
                     seconds: before + start.elapsed().as_secs_f64(),
                     behind: self.behind.clone(),
@@ -241,10 +245,13 @@ impl Cycles<'_> {
             let before_step = walk.counts;
             // Taken before the step, which may move the mesh; its row may be made already.
             let here = self.pending(&*walk.system, &walk.state.point, None, Some(Kind::MX), Special::default());
-            let step = match walk.step() {
+            let pending = std::mem::take(&mut self.pending);
+            let (step, (rows, made)) = rayon::join(|| walk.step(), || self.maker.rows(&pending));
+            *counts += made;
+            self.append(&pending, rows);
+            let step = match step {
                 Ok(step) => step,
                 Err(stop) => {
-                    self.make_rows(counts);
                     if self.branch.rows.last().is_some_and(|row| row.label.is_none()) {
                         self.name_last_row(&here, Kind::MX);
                     }
@@ -253,7 +260,6 @@ impl Cycles<'_> {
             };
             let lambda = step.to.lambda;
             if let Some(reason) = self.vanished(origin, &*walk.system, &step.from, &step.to) {
-                self.make_rows(counts);
                 if self.branch.rows.last().is_some_and(|row| row.label.is_none()) {
                     self.name_last_row(&here, Kind::EP);
                 }

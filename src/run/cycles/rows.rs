@@ -1,4 +1,4 @@
-//! From accepted orbits to rows and special points: observables, multipliers, errors, side by side.
+//! From accepted orbits to rows and special points: observables, multipliers, errors.
 
 use super::super::equilibria::error;
 use super::super::outcome::labels;
@@ -6,15 +6,14 @@ use super::super::study::Prepared;
 use super::super::wave;
 use super::Cycles;
 use super::quantities::{self, measure};
+use super::refinement::Refinement;
 use super::special::Special;
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
-use crate::continuation::{Border, Counts, Factored, Point, System};
+use crate::continuation::{Counts, Point};
 use crate::orbit::{Collocation, Frame, Multipliers, Orbit, Stability};
 use crate::problem::{Problem, Reflection};
 use crate::scene;
-use rayon::prelude::*;
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
 /// An accepted point with what its row is made from.
 pub struct Pending {
@@ -83,38 +82,30 @@ fn drifts(prepared: &Prepared, task: &scene::Cycles) -> usize {
     if task.relative { prepared.problem.rotations().len() } else { 0 }
 }
 
-impl Cycles<'_> {
-    /// Period, frequency, drift, extremes: the columns after the parameter.
-    pub fn measure(&self, orbit: &Orbit, symmetry: &Reflection, p: &[f64]) -> Vec<f64> {
-        measure(self.prepared, &*self.prepared.problem, orbit, symmetry, p)
+/// Makes rows of accepted points; it can do so beside the walk's next step.
+pub struct Maker<'a> {
+    prepared: &'a Prepared,
+    task: &'a scene::Cycles,
+    columns: Vec<Column>,
+    pub refinement: Refinement,
+}
+
+impl<'a> Maker<'a> {
+    pub fn new(prepared: &'a Prepared, task: &'a scene::Cycles, columns: Vec<Column>) -> Self {
+        Self { prepared, task, columns, refinement: Refinement::default() }
     }
 
-    /// Turns what is pending into rows and special points.
-    pub fn make_rows(&mut self, counts: &mut Counts) {
-        let pending = std::mem::take(&mut self.pending);
-        let rows: Vec<Row> = pending.par_iter().map(|point| self.row(point)).collect();
-        if self.task.along.errors {
-            counts.factorisations += rows.len();
-            counts.residuals += rows.len();
-            counts.newton += rows.len();
-        }
-        for (point, row) in pending.iter().zip(rows) {
-            // The Hopf point itself is as stable as the first cycle; a relative branch's first row is no such point.
-            if let (false, [onset]) = (self.task.relative, &mut self.branch.rows[..]) {
-                onset.stable = row.stable;
-            }
-            self.branch.rows.push(row);
-            if let Some(kind) = point.kind {
-                self.name_last_row(point, kind);
-            }
-        }
+    /// Rows in the order of the branch, and what they took.
+    pub fn rows(&mut self, pending: &[Pending]) -> (Vec<Row>, Counts) {
+        let mut counts = Counts::default();
+        (pending.iter().map(|point| self.row(point, &mut counts)).collect(), counts)
     }
 
-    fn row(&self, point: &Pending) -> Row {
+    fn row(&mut self, point: &Pending, counts: &mut Counts) -> Row {
         let Pending { lambda, orbit, frame, .. } = point;
         let mut p = frame.p.clone();
         p[frame.free] = *lambda;
-        let measured = self.measure(orbit, &frame.symmetry, &p);
+        let measured = measure(self.prepared, &*self.prepared.problem, orbit, &frame.symmetry, &p);
         let mut values: Vec<Option<f64>> = vec![Some(*lambda)];
         values.extend(measured.iter().copied().map(Some));
         let found = point.multipliers.as_ref();
@@ -126,9 +117,10 @@ impl Cycles<'_> {
             values.push(found.map(|m| m.trivial_error));
         }
         if self.task.along.errors {
-            let fine = self.refined(frame, orbit, *lambda);
+            let at = (frame, orbit, *lambda);
+            let fine = self.refinement.refine(self.prepared, at, &measured, counts);
             let known = |k: usize| {
-                let name = &self.branch.columns[k + 1].name;
+                let name = &self.columns[k + 1].name;
                 point.special.errors.iter().find(|(known, _)| known == name).map(|(_, error)| *error)
             };
             let errors = measured
@@ -143,6 +135,35 @@ impl Cycles<'_> {
             Stability::Undecided => None,
         });
         Row { label: None, stable, values }
+    }
+}
+
+impl Cycles<'_> {
+    /// Period, frequency, drift, extremes: the columns after the parameter.
+    pub fn measure(&self, orbit: &Orbit, symmetry: &Reflection, p: &[f64]) -> Vec<f64> {
+        measure(self.prepared, &*self.prepared.problem, orbit, symmetry, p)
+    }
+
+    /// Turns what is pending into rows and special points.
+    pub fn make_rows(&mut self, counts: &mut Counts) {
+        let pending = std::mem::take(&mut self.pending);
+        let (rows, made) = self.maker.rows(&pending);
+        *counts += made;
+        self.append(&pending, rows);
+    }
+
+    /// Takes over rows and names those that are special points.
+    pub fn append(&mut self, pending: &[Pending], rows: Vec<Row>) {
+        for (point, row) in pending.iter().zip(rows) {
+            // The Hopf point itself is as stable as the first cycle; a relative branch's first row is no such point.
+            if let (false, [onset]) = (self.task.relative, &mut self.branch.rows[..]) {
+                onset.stable = row.stable;
+            }
+            self.branch.rows.push(row);
+            if let Some(kind) = point.kind {
+                self.name_last_row(point, kind);
+            }
+        }
     }
 
     /// Makes the last row a special point.
@@ -191,28 +212,5 @@ impl Cycles<'_> {
         }
         self.branch.rows[row].label = Some(short);
         self.branch.points.push(special);
-    }
-
-    /// The same quantities on a refined discretisation, in space where the problem has one and in time by a degree
-    /// more: one Newton step from the present orbit at the same parameters, which leaves the error of the error.
-    fn refined(&self, frame: &Frame, orbit: &Orbit, lambda: f64) -> Option<Vec<f64>> {
-        let (problem, finer): (Arc<dyn Problem>, Orbit) = match self.prepared.problem.refined() {
-            Some(refinement) => (refinement.problem, orbit.mapped(&*refinement.prolong)),
-            None => (self.prepared.problem.clone(), orbit.clone()),
-        };
-        let finer = finer.interpolated(&orbit.mesh, orbit.degree + 1);
-        let symmetry = if orbit.parts == 2 { problem.reflection()? } else { Reflection::identity(problem.dim()) };
-        let frame = Frame { problem: problem.clone(), symmetry: symmetry.clone(), ..frame.clone() };
-        let fine = Collocation::new(frame, &finer);
-        let mut x = Collocation::unknowns(&finer);
-        let n = x.len();
-        let border = Border { row: vec![0.0; n], lambda: 1.0 };
-        let factors = fine.factor(&x, lambda, &border).ok()?;
-        let mut right = vec![0.0; n + 1];
-        fine.residual(&x, lambda, &mut right[..n]);
-        factors.solve(&mut right);
-        x.iter_mut().zip(&right).for_each(|(x, d)| *x -= d);
-        let p = fine.parameters(lambda);
-        Some(measure(self.prepared, &*problem, &fine.orbit(&x), &symmetry, &p))
     }
 }

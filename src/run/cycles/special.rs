@@ -3,6 +3,7 @@
 use super::super::equilibria::error;
 use super::Cycles;
 use super::quantities::measure;
+use super::refinement::Fine;
 use crate::bifurcation::Fold;
 use crate::branch::Kind;
 use crate::continuation::{Border, Counts, Point, System, correct, inner};
@@ -151,22 +152,11 @@ impl Cycles<'_> {
         Some((fine, solution))
     }
 
-    /// A point of the branch on a finer discretisation, in space where there is one and in time by a degree more; not
-    /// yet a solution there.
+    /// A point of the branch on the finer discretisation, not yet a solution there.
     fn finer_point(&self, system: &Collocation, point: &Point) -> Option<(Collocation, Point)> {
-        let refinement = self.prepared.problem.refined();
-        let mut frame = system.frame.clone();
-        let finer = |x: &[f64]| {
-            let orbit = system.orbit(x);
-            let mapped = refinement.as_ref().map_or_else(|| orbit.clone(), |finer| orbit.mapped(&*finer.prolong));
-            mapped.interpolated(&orbit.mesh, orbit.degree + 1)
-        };
-        if let Some(finer) = &refinement {
-            frame = frame.of(&finer.problem)?;
-        }
-        let (orbit, tangent) = (finer(&point.x), finer(&point.tangent));
-        let (x, tangent) = (Collocation::unknowns(&orbit), Collocation::unknowns(&tangent));
-        Some((Collocation::new(frame, &orbit), Point { x, tangent, ..point.clone() }))
+        let Fine { system: fine, x } = Fine::new(self.prepared, &system.frame, &system.orbit(&point.x))?;
+        let Fine { x: tangent, .. } = Fine::new(self.prepared, &system.frame, &system.orbit(&point.tangent))?;
+        Some((fine, Point { x, tangent, ..point.clone() }))
     }
 
     /// The end at an orbit of infinite period: where that is, and the rate at which it is come to. At a saddle-node both
