@@ -20,6 +20,9 @@ use crate::linalg::finite;
 const SLOWEST: f64 = 0.5;
 /// but it never grows more than this.
 const WORST: f64 = 5.0;
+/// No step is relied on to leave less than this of |f|, for f is not quite linear: where few directions matter, the least
+/// is zero after as many steps.
+const FASTEST: f64 = 0.1;
 const MOST_STEPS: usize = 12;
 
 /// A solution on the hyperplane of the factors' own border through the start.
@@ -48,7 +51,7 @@ impl<'a, S: System> Chord<'a, S> {
         Self { system, factors, x, lambda, last: None, pairs: Vec::new() }
     }
 
-    /// One step; |f| after it as far as f is linear: the distance that is left to the solution.
+    /// One step; the distance that is left to the solution: |f| after it as far as f is linear.
     pub fn advance(&mut self, counts: &mut Counts) -> Result<f64, Failure> {
         let n = self.x.len();
         let product = |a: &[f64], b: &[f64]| inner(self.system, (&a[..n], a[n]), (&b[..n], b[n]));
@@ -86,8 +89,9 @@ impl<'a, S: System> Chord<'a, S> {
         }
         add(1.0, &step[..n], &mut self.x);
         self.lambda += step[n];
+        let (left, before) = (product(&left, &left).sqrt(), product(&f, &f).sqrt());
         self.last = Some((step, f));
-        Ok(product(&left, &left).sqrt())
+        Ok(left.max(FASTEST * before))
     }
 }
 

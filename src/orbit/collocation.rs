@@ -4,7 +4,7 @@
 //! ```text
 //! G(u(c), u'(c)/P, p) = 0         at every Gauss point c of every interval,
 //! u(1) = S u(0),                  S the identity, or the reflection of a half-period orbit,
-//! int <u, u_ref'> dtau = 0,       u_ref the last orbit: the integral phase condition,
+//! int <u - u_ref, u_ref'> dtau = 0,      u_ref the last orbit: the integral phase condition,
 //! border . (u, P, lambda) = 0     (continuation's own row).
 //! ```
 //!
@@ -26,7 +26,7 @@ use super::shape::add_drift;
 use super::turning::turned;
 use super::{FloquetError, Multipliers, Orbit, Points, Rows, Scheme, Transitions, adapted, multipliers};
 use crate::continuation::{Border, Factored, Point, System, inner};
-use crate::linalg::{Equilibrated, Matrix, Singular};
+use crate::linalg::{Equilibrated, Matrix, Singular, dot};
 use crate::problem::{At, Direction, Problem, Reflection, Rotation};
 use faer::Mat;
 use rayon::prelude::*;
@@ -68,8 +68,10 @@ pub struct Collocation {
     pub mesh: Vec<f64>,
     /// The orbit that the phase condition refers to.
     reference: Orbit,
-    /// `int <., u_ref'> dtau` as a row over all nodes but the last.
+    /// `int <., u_ref'> dtau` as a row over all nodes but the last,
     pub(super) phase: Vec<f64>,
+    /// and its value at u_ref, which is not quite zero on a mesh.
+    phase_there: f64,
     /// `int <., Gamma_k u_ref> dtau` likewise.
     turns: Vec<Vec<f64>>,
     /// Weight of each node in the metric, the last node's carried by the first.
@@ -87,6 +89,7 @@ impl Collocation {
             mesh: Vec::new(),
             reference: orbit.clone(),
             phase: Vec::new(),
+            phase_there: 0.0,
             turns: Vec::new(),
             weights: Vec::new(),
         };
@@ -202,12 +205,35 @@ impl Collocation {
             let last = row.split_off(nodes * n);
             self.frame.symmetry.add_transposed(&last, &mut row[..n]);
             // A row of unit length, so that the phase equation has the size of the others.
-            let norm = crate::linalg::dot(row, row).sqrt();
+            let norm = dot(row, row).sqrt();
             if norm > 0.0 {
                 row.iter_mut().for_each(|r| *r /= norm);
             }
         }
+        self.phase_there = dot(&phase, &orbit.nodes[..phase.len()]);
         (self.phase, self.turns) = (phase, turns);
+    }
+
+    /// The phase condition of nodes, the last one left out or not.
+    pub(super) fn phase_of(&self, nodes: &[f64]) -> f64 {
+        dot(&self.phase, &nodes[..self.phase.len()]) - self.phase_there
+    }
+
+    /// Takes from a direction what only moves the reference along itself, so that it keeps to the phase condition.
+    fn keep_phase(&self, direction: &mut [f64]) {
+        let orbit = &self.reference;
+        let (n, m) = (orbit.dim, self.scheme.degree);
+        let along: Vec<f64> = (0..self.phase.len() / n)
+            .flat_map(|i| {
+                let (from, to) = (self.mesh[i / m], self.mesh[i / m + 1]);
+                orbit.at(from + (to - from) * self.scheme.nodes[i % m], &self.scheme).1
+            })
+            .collect();
+        let moved = dot(&self.phase, &along);
+        if moved != 0.0 {
+            let share = dot(&self.phase, &direction[..along.len()]) / moved;
+            direction.iter_mut().zip(&along).for_each(|(d, a)| *d -= share * a);
+        }
     }
 
     /// u and `u' + sum_k c_k Gamma_k u` (per P) at Gauss point i of interval j.
@@ -290,9 +316,9 @@ impl System for Collocation {
         let (equations, phase) = r.split_at_mut(self.intervals() * m * n);
         self.equations(&self.orbit(x), &self.parameters(lambda), equations);
         let nodes = &x[..equations.len()];
-        phase[0] = crate::linalg::dot(&self.phase, nodes);
+        phase[0] = self.phase_of(nodes);
         for (r, turn) in phase[1..].iter_mut().zip(&self.turns) {
-            *r = crate::linalg::dot(turn, nodes);
+            *r = dot(turn, nodes);
         }
     }
 
@@ -331,15 +357,13 @@ impl System for Collocation {
             true
         } else {
             self.refer_to(&orbit);
-            if self.scale_part() == scale {
-                return false;
-            }
-            // The metric has changed: the tangent's length is one again.
+            self.keep_phase(&mut point.tangent);
+            // The metric has changed, too: the tangent's length is one again.
             let along = (&point.tangent[..], point.tangent_lambda);
             let length = inner(self, along, along).sqrt();
             point.tangent.iter_mut().for_each(|t| *t /= length);
             point.tangent_lambda /= length;
-            true
+            self.scale_part() != scale
         }
     }
 }

@@ -125,7 +125,7 @@ impl BranchPoint {
             counts.residuals += 1;
             counts.newton += 1;
             let residual = cross.linear.residual();
-            let phase = dot(&system.phase, &x[..equations]);
+            let phase = system.phase_of(&x);
             let particular = cross
                 .closed
                 .solve(&cross.linear, &[Right { equations: &residual, rows: &[phase, 0.0, 0.0], end: &[] }]);

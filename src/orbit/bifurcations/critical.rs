@@ -106,7 +106,7 @@ impl CriticalCycle {
     /// All equations.
     pub fn residual(&self, x: &[f64], place: &Place) -> Vec<f64> {
         let mut r = place.linear.residual();
-        r.push(dot(&self.system.phase, &x[..self.system.phase.len()]));
+        r.push(self.system.phase_of(x));
         r.extend(place.scalars());
         r
     }
