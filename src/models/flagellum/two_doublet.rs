@@ -108,7 +108,7 @@ impl TwoDoublet {
         (distribution, f_n): (&[S], &[S]),
     ) -> Traction<S> {
         let motion = Motion::new(&self.basis, psi, psi_t);
-        let (mut v_t, mut v_n, mut g_x, mut g_y) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        let [mut v_t, mut v_n, mut g_x, mut g_y] = [(); 4].map(|()| Vec::with_capacity(psi.len()));
         for i in 0..psi.len() {
             let ([tangential, normal], s, c) = (motion.resolved(i), motion.sine[i], motion.cosine[i]);
             let along_t = g.tau_t * tangential - g.load * distribution[i] * eps;

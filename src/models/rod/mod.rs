@@ -6,6 +6,7 @@
 
 mod basis;
 mod forces;
+mod halves;
 mod line;
 mod linearisation;
 mod load;
@@ -14,8 +15,9 @@ mod refinement;
 
 pub use basis::{Basis, antiderivative, gauss, legendre, peak, times};
 pub use forces::{Forces, Push, State, bracket, end, work};
+pub use halves::{slice, slice_mut};
 pub use line::line;
 pub use linearisation::{product, scaled_rows, slopes};
 pub use load::Load;
-pub use motion::{Motion, Variation};
+pub use motion::Motion;
 pub use refinement::finer;
