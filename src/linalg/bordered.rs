@@ -45,7 +45,7 @@ impl BorderedMatrix {
             (false, true) => c[i - n][j],
             (false, false) => d[i - n][j - n],
         });
-        Ok(Self { form: Form::Whole(Equilibrated::new(full.as_ref())?) })
+        Ok(Self { form: Form::Whole(Equilibrated::new(full)?) })
     }
 
     /// `[f; g]` in, `[x; y]` out.

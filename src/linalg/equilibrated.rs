@@ -6,7 +6,7 @@
 //! times), nothing depends on units; they are powers of two, so that scaling makes no error.
 
 use super::{Lu, Singular};
-use faer::{Mat, MatRef};
+use faer::Mat;
 
 /// `A = R^-1 S C^-1` with S factored.
 pub struct Equilibrated {
@@ -16,23 +16,27 @@ pub struct Equilibrated {
 }
 
 impl Equilibrated {
-    pub fn new(a: MatRef<'_, f64>) -> Result<Self, Singular> {
+    pub fn new(mut a: Mat<f64>) -> Result<Self, Singular> {
         let n = a.nrows();
         let (mut rows, mut columns) = (vec![1.0; n], vec![1.0; n]);
         for _ in 0..SWEEPS {
-            let (mut across, mut down) = (vec![0.0_f64; n], vec![0.0_f64; n]);
-            for j in 0..n {
-                for i in 0..n {
-                    let size = (rows[i] * (a[(i, j)] * columns[j])).abs();
-                    across[i] = across[i].max(size);
-                    down[j] = down[j].max(size);
-                }
+            let (mut by_row, mut by_column) = (vec![0.0_f64; n], vec![0.0_f64; n]);
+            for (j, down) in by_column.iter_mut().enumerate() {
+                let column = a.col_as_slice(j);
+                by_row.iter_mut().zip(column).for_each(|(across, x)| *across = across.max(x.abs()));
+                *down = largest(column);
             }
-            rows.iter_mut().zip(across).for_each(|(scale, largest)| *scale *= inverse_root(largest));
-            columns.iter_mut().zip(down).for_each(|(scale, largest)| *scale *= inverse_root(largest));
+            by_row.iter_mut().chain(&mut by_column).for_each(|x| *x = inverse_root(*x));
+            if by_row.iter().chain(&by_column).all(|&x| x == 1.0) {
+                break;
+            }
+            for (j, scale) in by_column.iter().enumerate() {
+                a.col_as_slice_mut(j).iter_mut().zip(&by_row).for_each(|(x, row)| *x = row * (*x * scale));
+            }
+            times(&mut rows, &by_row);
+            times(&mut columns, &by_column);
         }
-        let scaled = Mat::from_fn(n, n, |i, j| rows[i] * (a[(i, j)] * columns[j]));
-        Ok(Self { lu: Lu::new(scaled.as_ref())?, rows, columns })
+        Ok(Self { lu: Lu::new(a.as_ref())?, rows, columns })
     }
 
     /// `A^-1 b` in place.
@@ -59,6 +63,15 @@ fn times(b: &mut [f64], scales: &[f64]) {
     b.iter_mut().zip(scales).for_each(|(b, s)| *b *= s);
 }
 
+/// The largest size, of eight side by side.
+fn largest(column: &[f64]) -> f64 {
+    let mut most = [0.0_f64; 8];
+    let chunks = column.chunks_exact(most.len());
+    let rest = chunks.remainder().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    chunks.for_each(|chunk| most.iter_mut().zip(chunk).for_each(|(most, x)| *most = most.max(x.abs())));
+    most.into_iter().fold(rest, f64::max)
+}
+
 /// Each brings sizes half way to one, in decades: 1e32 to 10.
 const SWEEPS: usize = 5;
 
@@ -78,7 +91,7 @@ mod tests {
         let a = faer::mat![[2.0, -1.0, 0.5], [1.0, 3.0, -1.0], [0.25, 1.0, 0.5]];
         let (rows, columns) = ([1e-18, 1e-9, 1e9], [1e9, 1e-9, 1.0]);
         let scaled = Mat::from_fn(3, 3, |i, j| rows[i] * a[(i, j)] * columns[j]);
-        let lu = Equilibrated::new(scaled.as_ref()).unwrap();
+        let lu = Equilibrated::new(scaled).unwrap();
         assert_eq!(lu.sign(), a.determinant().signum());
         let x = [1.0, -2.0, 3.0];
         let mut b: Vec<f64> = (0..3).map(|i| rows[i] * (0..3).map(|j| a[(i, j)] * x[j]).sum::<f64>()).collect();
@@ -88,6 +101,6 @@ mod tests {
         for i in 0..3 {
             assert!((b[i] * columns[i] - x[i]).abs() < 1e-13 && (bt[i] * rows[i] - x[i]).abs() < 1e-13);
         }
-        assert!(Equilibrated::new(Mat::<f64>::zeros(2, 2).as_ref()).is_err());
+        assert!(Equilibrated::new(Mat::zeros(2, 2)).is_err());
     }
 }

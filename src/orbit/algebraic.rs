@@ -144,11 +144,29 @@ impl Algebraic {
         Rows { c, d: None, e }
     }
 
-    /// `row` covers the nodes 1 ... m-1.
-    pub fn add_border(&mut self, row: &[f64]) -> Reach {
+    /// The rows cover the nodes 1 ... m-1.
+    pub fn add_borders(&mut self, rows: &[&[f64]]) -> Vec<Reach> {
+        let (m, nx) = (self.points.len(), self.moving.len());
+        let moved: Vec<_> = rows.iter().map(|row| self.on_moving(row)).collect();
+        let inside = Mat::from_fn((m - 1) * nx, rows.len(), |i, j| moved[j].1[1 + i / nx][i % nx]);
+        let inner = self.inner.add_borders(inside);
+        let whole = |((mut reach, own, on_points), inner): ((Reach, Vec<Vec<f64>>, _), Reach)| {
+            for (k, &j) in self.moving.iter().enumerate() {
+                reach.a[j] = own[0][k] + inner.a[k];
+                reach.b[j] = own[m][k] + inner.b[k];
+            }
+            reach.z.iter_mut().zip(&inner.z).for_each(|(z, inner)| *z += inner);
+            (reach, on_points)
+        };
+        let (reaches, borders) = moved.into_iter().zip(inner).map(whole).unzip();
+        self.borders = borders;
+        reaches
+    }
+
+    /// A border row without y inside: what it reaches, its entries on x at the nodes 0 ... m, and those on y(c_i).
+    fn on_moving(&self, row: &[f64]) -> (Reach, Vec<Vec<f64>>, Vec<Vec<f64>>) {
         let (n, m, nx) = (self.n(), self.points.len(), self.moving.len());
         let mut reach = Reach { a: vec![0.0; n], b: vec![0.0; n], z: vec![0.0; self.count] };
-        // Entries on x at the nodes 0 ... m.
         let mut own = vec![vec![0.0; nx]; m + 1];
         for (own, row) in own[1..m].iter_mut().zip(row.chunks(n)) {
             own.iter_mut().zip(&self.moving).for_each(|(own, &j)| *own = row[j]);
@@ -169,14 +187,7 @@ impl Algebraic {
             self.still.iter().zip(&beta).for_each(|(&j, b)| reach.a[j] -= first * b);
             on_points.push(beta);
         }
-        let inner = self.inner.add_border(own[1..m].concat());
-        for (k, &j) in self.moving.iter().enumerate() {
-            reach.a[j] = own[0][k] + inner.a[k];
-            reach.b[j] = own[m][k] + inner.b[k];
-        }
-        reach.z.iter_mut().zip(&inner.z).for_each(|(z, inner)| *z += inner);
-        self.borders.push(on_points);
-        reach
+        (reach, own, on_points)
     }
 
     /// What `back` needs, and minus what is known of x_b and y_b.
@@ -276,7 +287,7 @@ mod tests {
         let n = a.len();
         let mut condensed = crate::orbit::Condensed::new(vec![interval], n).expect("one interval");
         let whole: Vec<f64> = vec![0.0; n].into_iter().chain(row.iter().copied()).collect();
-        let reach = condensed.add_border(&whole);
+        let reach = condensed.add_borders(&[&whole]).remove(0);
         let mut border = [0.0];
         let (forwarded, mut b) = condensed.forward(r, &mut border);
         let rows = condensed.transition();
@@ -285,7 +296,9 @@ mod tests {
             *b -= z.iter().enumerate().map(|(s, z)| rows.at(i, 2 * n + s) * z).sum::<f64>();
         }
         Lu::new(Mat::from_fn(n, n, |i, j| rows.at(i, n + j)).as_ref()).expect("an end").solve(&mut b);
-        let nodes = condensed.back(forwarded, a, &b, z)[n..].to_vec();
+        let mut nodes = vec![0.0; r.len()];
+        condensed.back(forwarded, (a, &b), z, &mut nodes);
+        let nodes = nodes.split_off(n);
         let through = dot(&reach.a, a) + dot(&reach.b, &b) + dot(&reach.z, z) - border[0];
         (b, nodes, through)
     }

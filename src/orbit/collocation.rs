@@ -387,18 +387,14 @@ impl OrbitFactors {
     ) -> Result<Self, Singular> {
         let (n, count) = (frame.symmetry.sign.len(), turns.len() + 2);
         let (nodes, rest) = border.row.split_at(border.row.len() + 1 - count);
-        let rows = std::iter::once(phase).chain(turns.iter().map(Vec::as_slice)).chain([nodes]);
-        let reaches: Vec<Reach> = rows.map(|row| condensed.add_border(row)).collect();
+        let rows: Vec<&[f64]> = std::iter::once(phase).chain(turns.iter().map(Vec::as_slice)).chain([nodes]).collect();
+        let reaches = condensed.add_borders(&rows);
         let direct: Vec<f64> = rest.iter().copied().chain([border.lambda]).collect();
         let mut ends = Mat::zeros(n + count, n + count);
         let rows = condensed.transition();
-        for i in 0..n {
-            for j in 0..n {
-                ends[(i, j)] += rows.at(i, j);
-                ends[(i, frame.symmetry.source[j])] += rows.at(i, n + j) * frame.symmetry.sign[j];
-            }
-            (0..count).for_each(|s| ends[(i, n + s)] = rows.at(i, 2 * n + s));
-        }
+        ends.as_mut().submatrix_mut(0, 0, n, n).copy_from(rows.c);
+        rows.add_end(&frame.symmetry, 1.0, ends.as_mut().subrows_mut(0, n));
+        ends.as_mut().submatrix_mut(0, n, n, count).copy_from(rows.e);
         for (k, Reach { a, b, z }) in reaches.iter().enumerate() {
             let mut row = a.clone();
             frame.symmetry.add_transposed(b, &mut row);
@@ -409,7 +405,7 @@ impl OrbitFactors {
                 ends[(n + k, n + s)] = z + if k + 1 == count { direct[s] } else { 0.0 };
             }
         }
-        let ends = Equilibrated::new(ends.as_ref())?;
+        let ends = Equilibrated::new(ends)?;
         Ok(Self { condensed, ends, symmetry: frame.symmetry.clone(), parts: frame.parts, drifts: turns.len() })
     }
 
@@ -458,8 +454,7 @@ impl Factored for OrbitFactors {
         let z = &ends[n..];
         let mut last = vec![0.0; n];
         self.symmetry.apply(&ends[..n], &mut last);
-        let nodes = self.condensed.back(forwarded, &ends[..n], &last, z);
-        right[..equations].copy_from_slice(&nodes);
+        self.condensed.back(forwarded, (&ends[..n], &last), z, &mut right[..equations]);
         right[equations..].copy_from_slice(z);
     }
 }

@@ -7,14 +7,14 @@
 //! [ inside | x_a  x_b  z ] = r,      rows = inside + n.
 //! ```
 //!
-//! LU with partial pivoting of the tall block of inside columns leaves n rows `C x_a + D x_b + E z = r'`. Intervals
-//! are eliminated side by side, then spans are joined pairwise up a binary tree (Ascher, Mattheij and Russell 1995,
+//! LU with partial pivoting of the tall block of inside columns leaves n rows `C x_a + D x_b + E z = r'`, solved for x_b where
+//! that is stable. Intervals are eliminated side by side, then spans are joined pairwise up a binary tree (Ascher, Mattheij and Russell 1995,
 //! doi:10.1137/1.9781611971231, section 7.4); transition matrices are never multiplied. Border rows (phase, arclength) are carried along.
 //! The work does not depend on the number of threads.
 
 use super::algebraic::Algebraic;
 use super::band::Band;
-use super::elimination::Elimination;
+use super::dense::Dense;
 use super::joint::Joint;
 use super::rows::{Reach, Rows};
 use crate::linalg::{Matrix, Singular};
@@ -22,10 +22,17 @@ use faer::Mat;
 
 /// Joints of fewer unknowns are made on one thread.
 const WORTH_SHARING: usize = 16;
+/// Solves with fewer entries of a span's nodes times n, too: below some ten microseconds there is nothing to gain.
+const WORTH_SOLVING: usize = 100_000;
+
+/// Both, side by side if their work is worth it.
+fn both<A: Send, B: Send>(work: usize, a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    if work < WORTH_SOLVING { (a(), b()) } else { rayon::join(a, b) }
+}
 
 /// One interval's equations, factored.
 pub enum Interval {
-    Dense(Elimination),
+    Dense(Dense),
     Banded(Band),
     /// Of a problem with structure and algebraic unknowns.
     Algebraic(Box<Algebraic>),
@@ -57,29 +64,12 @@ impl Interval {
         if banded.len() == m {
             return Ok(Interval::Banded(Band::new(&banded, (value, slope), scalars)?));
         }
-        let n = dense.first().map_or(0, |(gu, _)| gu.nrows());
-        let width = scalars.first().map_or(0, |rows| rows.len() / n);
-        let (mut inside, mut right) = (Mat::zeros(m * n, (m - 1) * n), Mat::zeros(m * n, 2 * n + width));
-        for (i, (gu, gv)) in dense.iter().enumerate() {
-            for l in 0..=m {
-                let (a, d) = (value[i][l], slope[i][l]);
-                let block = match l {
-                    0 => right.as_mut().submatrix_mut(i * n, 0, n, n),
-                    l if l == m => right.as_mut().submatrix_mut(i * n, n, n, n),
-                    _ => inside.as_mut().submatrix_mut(i * n, (l - 1) * n, n, n),
-                };
-                faer::zip!(block, gu, gv).for_each(|faer::unzip!(b, x, y)| *b = a * *x + d * *y);
-            }
-            for (k, &entry) in scalars[i].iter().enumerate() {
-                right[(i * n + k / width, 2 * n + k % width)] = entry;
-            }
-        }
-        Ok(Interval::Dense(Elimination::new(inside, right, n)?))
+        Ok(Interval::Dense(Dense::new(&dense, (value, slope), scalars)?))
     }
 
     fn inside(&self) -> usize {
         match self {
-            Interval::Dense(elimination) => elimination.inside(),
+            Interval::Dense(dense) => dense.inside(),
             Interval::Banded(band) => band.inside(),
             Interval::Algebraic(made) => made.inside(),
         }
@@ -87,23 +77,23 @@ impl Interval {
 
     fn remaining(&self) -> Rows<'_> {
         match self {
-            Interval::Dense(elimination) => elimination.remaining(),
+            Interval::Dense(dense) => dense.remaining(),
             Interval::Banded(band) => band.remaining(),
             Interval::Algebraic(made) => made.remaining(),
         }
     }
 
-    fn add_border(&mut self, row: &[f64]) -> Reach {
+    fn add_borders(&mut self, rows: &[&[f64]]) -> Vec<Reach> {
         match self {
-            Interval::Dense(elimination) => elimination.add_border(row.to_vec()),
-            Interval::Banded(band) => band.add_border(row),
-            Interval::Algebraic(made) => made.add_border(row),
+            Interval::Dense(dense) => dense.add_borders(rows),
+            Interval::Banded(band) => rows.iter().map(|row| band.add_border(row)).collect(),
+            Interval::Algebraic(made) => made.add_borders(rows),
         }
     }
 
     fn forward(&self, r: &[f64], border: &mut [f64]) -> (Vec<f64>, Vec<f64>) {
         match self {
-            Interval::Dense(elimination) => elimination.forward(r, border),
+            Interval::Dense(dense) => dense.forward(r, border),
             Interval::Banded(band) => band.forward(r, border),
             Interval::Algebraic(made) => made.forward(r, border),
         }
@@ -111,7 +101,7 @@ impl Interval {
 
     fn back(&self, top: Vec<f64>, a: &[f64], b: &[f64], z: &[f64]) -> Vec<f64> {
         match self {
-            Interval::Dense(elimination) => elimination.back(top, a, b, z),
+            Interval::Dense(dense) => dense.back(top, a, b, z),
             Interval::Banded(band) => band.back(&top, a, z),
             Interval::Algebraic(made) => made.back(top, a, b, z),
         }
@@ -176,26 +166,37 @@ impl Span {
         }
     }
 
-    /// `row` covers the span's nodes, its last one excluded.
-    fn add_border(&mut self, row: &[f64], n: usize) -> Reach {
+    /// The rows cover the span's nodes, its last one excluded.
+    fn add_borders(&mut self, rows: &[&[f64]], n: usize) -> Vec<Reach> {
+        let count = self.nodes(n);
         match self {
             Span::Interval(interval) => {
-                let mut reach = interval.add_border(&row[n..]);
-                reach.a.iter_mut().zip(row).for_each(|(a, r)| *a += r);
-                reach
+                let inner: Vec<&[f64]> = rows.iter().map(|row| &row[n..]).collect();
+                let mut reaches = interval.add_borders(&inner);
+                for (reach, row) in reaches.iter_mut().zip(rows) {
+                    reach.a.iter_mut().zip(*row).for_each(|(a, r)| *a += r);
+                }
+                reaches
             }
             Span::Joined { left, right, joint } => {
-                let (row_left, row_right) = row.split_at(left.nodes(n) * n);
-                let (l, r) = (left.add_border(row_left, n), right.add_border(row_right, n));
-                let middle = l.b.iter().zip(&r.a).map(|(x, y)| x + y).collect();
-                let mut reach = match joint {
-                    Joint::Direct(direct) => direct.add_border(left.remaining(), middle),
-                    Joint::Pivoted(elimination) => elimination.add_border(middle),
+                let at = left.nodes(n) * n;
+                let (rows_left, rows_right): (Vec<_>, Vec<_>) = rows.iter().map(|row| row.split_at(at)).unzip();
+                let (l, r) =
+                    both(count * n * n, || left.add_borders(&rows_left, n), || right.add_borders(&rows_right, n));
+                let middle = |(l, r): (&Reach, &Reach)| l.b.iter().zip(&r.a).map(|(x, y)| x + y).collect();
+                let middle: Vec<Vec<f64>> = l.iter().zip(&r).map(middle).collect();
+                let mut reaches = match joint {
+                    Joint::Direct(direct) => direct.add_borders(left.remaining(), middle),
+                    Joint::Pivoted(elimination) => {
+                        elimination.add_borders(Mat::from_fn(n, rows.len(), |i, j| middle[j][i]))
+                    }
                 };
-                reach.a.iter_mut().zip(&l.a).for_each(|(x, y)| *x += y);
-                reach.b.iter_mut().zip(&r.b).for_each(|(x, y)| *x += y);
-                reach.z.iter_mut().zip(l.z.iter().zip(&r.z)).for_each(|(x, (l, r))| *x = *x + l + r);
-                reach
+                for (reach, (l, r)) in reaches.iter_mut().zip(l.iter().zip(&r)) {
+                    reach.a.iter_mut().zip(&l.a).for_each(|(x, y)| *x += y);
+                    reach.b.iter_mut().zip(&r.b).for_each(|(x, y)| *x += y);
+                    reach.z.iter_mut().zip(l.z.iter().zip(&r.z)).for_each(|(x, (l, r))| *x = *x + l + r);
+                }
+                reaches
             }
         }
     }
@@ -217,8 +218,10 @@ impl Span {
             }
             Span::Joined { left, right, joint } => {
                 let (r_left, r_right) = r.split_at(left.nodes(n) * n);
-                let (carried_left, above) = left.forward(r_left, border, n);
-                let (carried_right, below) = right.forward(r_right, border, n);
+                let mut of_right = vec![0.0; border.len()];
+                let ((carried_left, above), (carried_right, below)) =
+                    both(r.len() * n, || left.forward(r_left, border, n), || right.forward(r_right, &mut of_right, n));
+                border.iter_mut().zip(&of_right).for_each(|(border, change)| *border += change);
                 let (top, bottom) = match joint {
                     Joint::Direct(direct) => direct.forward(right.remaining(), above, below, border),
                     Joint::Pivoted(elimination) => elimination.forward(&[above, below].concat(), border),
@@ -228,20 +231,26 @@ impl Span {
         }
     }
 
-    /// Appends the span's nodes, from its first on, the last one excluded.
-    fn back(&self, carried: Carried, a: &[f64], b: &[f64], z: &[f64], out: &mut Vec<f64>) {
+    /// The span's nodes, from its first on, the last one excluded.
+    fn back(&self, carried: Carried, (a, b): (&[f64], &[f64]), z: &[f64], out: &mut [f64]) {
+        let n = a.len();
         match (self, carried) {
             (Span::Interval(interval), Carried::Interval(top)) => {
-                out.extend_from_slice(a);
-                out.extend(interval.back(top, a, b, z));
+                out[..n].copy_from_slice(a);
+                out[n..].copy_from_slice(&interval.back(top, a, b, z));
             }
             (Span::Joined { left, right, joint }, Carried::Joined(carried_left, carried_right, top)) => {
                 let middle = match joint {
                     Joint::Direct(direct) => direct.back(left.remaining(), &top, a, z),
                     Joint::Pivoted(elimination) => elimination.back(top, a, b, z),
                 };
-                left.back(*carried_left, a, &middle, z, out);
-                right.back(*carried_right, &middle, b, z, out);
+                let work = out.len() * n;
+                let (out_left, out_right) = out.split_at_mut(left.nodes(n) * n);
+                both(
+                    work,
+                    || left.back(*carried_left, (a, &middle), z, out_left),
+                    || right.back(*carried_right, (&middle, b), z, out_right),
+                );
             }
             _ => unreachable!("a right-hand side has the shape of its tree"),
         }
@@ -272,9 +281,9 @@ impl Condensed {
         out
     }
 
-    /// Condenses a border row over all nodes but the last.
-    pub fn add_border(&mut self, row: &[f64]) -> Reach {
-        self.root.add_border(row, self.n)
+    /// Condenses the border rows, over all nodes but the last.
+    pub fn add_borders(&mut self, rows: &[&[f64]]) -> Vec<Reach> {
+        self.root.add_borders(rows, self.n)
     }
 
     /// Condenses a right-hand side: what is left for the ends; `border` is changed accordingly.
@@ -284,10 +293,8 @@ impl Condensed {
     }
 
     /// All nodes but the last from x_0, x_N and z.
-    pub fn back(&self, forwarded: Forwarded, first: &[f64], last: &[f64], z: &[f64]) -> Vec<f64> {
-        let mut out = Vec::with_capacity(self.root.nodes(self.n) * self.n);
-        self.root.back(forwarded.0, first, last, z, &mut out);
-        out
+    pub fn back(&self, forwarded: Forwarded, ends: (&[f64], &[f64]), z: &[f64], nodes: &mut [f64]) {
+        self.root.back(forwarded.0, ends, z, nodes);
     }
 }
 

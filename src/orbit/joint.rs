@@ -5,14 +5,10 @@
 //! ```
 
 use super::elimination::Elimination;
-use super::rows::{Reach, Rows, add_product};
+use super::rows::{GROWTH, Reach, Rows, add_product};
 use crate::linalg::Singular;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
-
-/// Entries up to this size are taken as multipliers without exchanging rows: each joint then magnifies rounding errors
-/// by no more than that, and there are log2(intervals) of them above each other.
-const GROWTH: f64 = 8.0;
 
 pub enum Joint {
     Direct(Direct),
@@ -65,13 +61,17 @@ impl Joint {
 }
 
 impl Direct {
-    /// Eliminates a border row's entries on x_m, from the left span's rows; the change of its entries elsewhere.
-    pub fn add_border(&mut self, l: Rows, row: Vec<f64>) -> Reach {
-        let mut reach = Reach { a: vec![0.0; l.n()], b: vec![0.0; l.n()], z: vec![0.0; l.e.ncols()] };
-        add_product(1.0, l.c.transpose(), &row, &mut reach.a);
-        add_product(1.0, l.e.transpose(), &row, &mut reach.z);
-        self.borders.push(row);
-        reach
+    /// Eliminates the border rows' entries on x_m, from the left span's rows; the change of their entries elsewhere.
+    pub fn add_borders(&mut self, l: Rows, rows: Vec<Vec<f64>>) -> Vec<Reach> {
+        let reach = |row: &Vec<f64>| {
+            let mut reach = Reach { a: vec![0.0; l.n()], b: vec![0.0; l.n()], z: vec![0.0; l.e.ncols()] };
+            add_product(1.0, l.c.transpose(), row, &mut reach.a);
+            add_product(1.0, l.e.transpose(), row, &mut reach.z);
+            reach
+        };
+        let reaches = rows.iter().map(reach).collect();
+        self.borders = rows;
+        reaches
     }
 
     /// From the right span's rows and both spans' right-hand sides: r_l for [`Self::back`], and that of the remaining

@@ -158,7 +158,8 @@ impl Closed {
                     last[k] -= b[k] * g[i];
                 }
             }
-            let mut nodes = linear.condensed.back(forwarded, &ends[i * n..(i + 1) * n], &last, &z);
+            let mut nodes = vec![0.0; linear.count()];
+            linear.condensed.back(forwarded, (&ends[i * n..(i + 1) * n], &last), &z, &mut nodes);
             nodes.extend(last);
             nodes
         });

@@ -43,8 +43,7 @@ impl Linear {
             return Err(Singular);
         }
         let mut condensed = system.condensed(&orbit, &p)?;
-        let mut reaches = vec![condensed.add_border(&system.phase)];
-        reaches.extend(rows.iter().map(|row| condensed.add_border(row)));
+        let reaches = condensed.add_borders(&[&[&system.phase[..]], rows].concat());
         Ok(Self { system: system.clone(), orbit, p, condensed, reaches })
     }
 

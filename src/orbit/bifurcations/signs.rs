@@ -15,7 +15,6 @@ use crate::continuation::Point;
 use crate::linalg::{Lu, Singular, c64};
 use crate::orbit::{FloquetError, OrbitFactors, Rows};
 use crate::problem::Reflection;
-use faer::Mat;
 use serde::{Deserialize, Serialize};
 
 /// What happens to a cycle.
@@ -79,14 +78,9 @@ fn branch(factors: &OrbitFactors, nu: &[c64]) -> Result<f64, Singular> {
 /// Elimination changes the sign of a determinant by that of its pivots, and that of `det(C + kappa D S)` likewise: the
 /// latter, for kappa < 0 beyond all multipliers, is otherwise constant along a branch.
 pub(super) fn pivots(rows: Rows, symmetry: &Reflection, nu: &[c64]) -> Result<f64, Singular> {
-    let n = rows.n();
     let kappa = -4.0 * nu.iter().fold(1.0, |most: f64, nu| most.max(nu.norm()));
-    let mut far = Mat::from_fn(n, n, |i, j| rows.at(i, j));
-    for i in 0..n {
-        for j in 0..n {
-            far[(i, symmetry.source[j])] += kappa * rows.at(i, n + j) * symmetry.sign[j];
-        }
-    }
+    let mut far = rows.c.to_owned();
+    rows.add_end(symmetry, kappa, far.as_mut());
     Ok(Lu::new(far.as_ref())?.sign())
 }
 
