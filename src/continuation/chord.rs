@@ -15,7 +15,7 @@ use super::corrector::TOLERANCE;
 use super::{Counts, Factored, Failure, System, inner};
 use crate::linalg::finite;
 
-/// Where what is left shrinks less than this in a step, the factors are of no use here; it need not in the first steps,
+/// Where what is left shrinks less than this in two steps, the factors are of no use here; it need not in the first steps,
 /// for the hyperplane and other rows of the factors' system may differ from those of the present one;
 const SLOWEST: f64 = 0.5;
 /// but it never grows more than this.
@@ -108,7 +108,7 @@ pub fn settle<S: System>(
     counts: &mut Counts,
 ) -> Result<Settled, Failure> {
     let mut chord = Chord::new(system, start.clone(), factors);
-    let mut last = f64::INFINITY;
+    let (mut before, mut last) = (f64::INFINITY, f64::INFINITY);
     for count in 1..=MOST_STEPS {
         let left = chord.advance(counts)?;
         if left < TOLERANCE {
@@ -118,10 +118,10 @@ pub fn settle<S: System>(
             let distance = inner(system, moved, moved).sqrt();
             return Ok(Settled { x, lambda, steps: count, distance });
         }
-        if count > 3 && left > SLOWEST * last || left > WORST * last {
+        if count > 3 && left > SLOWEST * before || left > WORST * last {
             return Err(Failure::Diverged(left));
         }
-        last = left;
+        (before, last) = (last, left);
     }
     Err(Failure::Diverged(last))
 }
