@@ -37,4 +37,4 @@ pub use normal_form::CycleNormalForm;
 pub use place::Place;
 pub use signs::{Event, Signs};
 pub use switch::Departure;
-pub use vanishing::Amplitude;
+pub use vanishing::{Amplitude, hopf_beside};

@@ -4,9 +4,12 @@
 //! as itself half a period later: after the step the amplitude is opposite to that before. As lambda is even in it,
 //! `lambda - lambda_0` goes as its square.
 
+use crate::bifurcation::Hopf;
 use crate::continuation::Point;
+use crate::linalg::c64;
 use crate::orbit::{Collocation, Orbit};
 use crate::problem::Reflection;
+use std::f64::consts::PI;
 
 /// What a branch may shrink to.
 #[derive(Clone, Copy, Debug)]
@@ -54,4 +57,24 @@ impl Amplitude<'_> {
             }
         }
     }
+}
+
+/// States of a small cycle from which mean and first harmonic are taken.
+const SAMPLES: usize = 32;
+
+/// lambda at the Hopf point that a small cycle is near to, solved for from its mean and its first harmonic.
+pub fn hopf_beside(system: &Collocation, point: &Point) -> Option<f64> {
+    let frame = &system.frame;
+    let (orbit, scheme) = (system.orbit(&point.x), &system.scheme);
+    let (mut u, mut q) = (vec![0.0; orbit.dim], vec![c64::new(0.0, 0.0); orbit.dim]);
+    for k in 0..SAMPLES {
+        let turn = k as f64 / SAMPLES as f64;
+        let state = orbit.anywhere(turn * frame.parts as f64, scheme, &frame.symmetry).0;
+        let weight = c64::cis(-2.0 * PI * turn) / SAMPLES as f64;
+        u.iter_mut().zip(&state).for_each(|(u, x)| *u += x / SAMPLES as f64);
+        q.iter_mut().zip(&state).for_each(|(q, x)| *q += weight * *x);
+    }
+    let p = system.parameters(point.lambda);
+    let found = Hopf::locate(&*frame.problem, (&u, &p), frame.free, 2.0 * PI / orbit.period(), &q).ok()?;
+    Some(found.p[frame.free])
 }

@@ -19,7 +19,7 @@ use super::study::Prepared;
 use super::watch::Watch;
 use crate::branch::{Branch, Kind, SpecialPoint};
 use crate::continuation::{Counts, Failure, Point, Stop, Walk, at_lambda, crossing};
-use crate::orbit::bifurcations::{Amplitude, Event, Homoclinic, KEPT, Passage, Segment, Signs};
+use crate::orbit::bifurcations::{Amplitude, Event, Homoclinic, KEPT, Passage, Segment, Signs, hopf_beside};
 use crate::orbit::{Collocation, OrbitFactors};
 use crate::problem::{Problem, Reflection};
 use crate::scene;
@@ -314,7 +314,12 @@ impl Cycles<'_> {
     fn vanished(&self, origin: &Origin, system: &Collocation, from: &Point, to: &Point) -> Option<String> {
         let name = &self.task.along.free;
         if let Some(value) = Amplitude::Swing.vanishes(system, from, to) {
-            return Some(format!("the cycles shrink to an equilibrium: a Hopf point near {name} = {value:.6}"));
+            let gap = (value - from.lambda).abs();
+            let located = hopf_beside(system, from).filter(|at| (at - value).abs() < gap);
+            return Some(format!(
+                "the cycles shrink to an equilibrium: a Hopf point near {name} = {:.6}",
+                located.unwrap_or(value)
+            ));
         }
         let Origin::Cycle { stored, flip: true } = origin else { return None };
         let identity = Reflection::identity(stored.orbit.dim);
