@@ -20,8 +20,8 @@ use crate::linalg::finite;
 const SLOWEST: f64 = 0.5;
 /// but it never grows more than this.
 const WORST: f64 = 5.0;
-/// No step is relied on to leave less than this of |f|, for f is not quite linear: where few directions matter, the least
-/// is zero after as many steps.
+/// No step is relied on to leave less than this of |f|, nor less than the last one left, for f is not quite linear: where
+/// few directions matter, the least is zero after as many steps.
 const FASTEST: f64 = 0.1;
 const MOST_STEPS: usize = 12;
 
@@ -40,18 +40,21 @@ pub struct Chord<'a, S: System> {
     factors: &'a S::Factors,
     pub x: Vec<f64>,
     pub lambda: f64,
-    /// The last step with the f before it.
+    /// The last step with the f before it,
     last: Option<(Vec<f64>, Vec<f64>)>,
+    /// and the length of that f.
+    size: f64,
     /// Changes of f, made orthonormal, each with the same combination of the changes of the iterate.
     pairs: Vec<(Vec<f64>, Vec<f64>)>,
 }
 
 impl<'a, S: System> Chord<'a, S> {
     pub fn new(system: &'a S, (x, lambda): (Vec<f64>, f64), factors: &'a S::Factors) -> Self {
-        Self { system, factors, x, lambda, last: None, pairs: Vec::new() }
+        Self { system, factors, x, lambda, last: None, size: f64::INFINITY, pairs: Vec::new() }
     }
 
-    /// One step; the distance that is left to the solution: |f| after it as far as f is linear.
+    /// One step; the distance that is left to the solution: |f| after it as far as f is linear, or what the last step's rate
+    /// leaves of it.
     pub fn advance(&mut self, counts: &mut Counts) -> Result<f64, Failure> {
         let n = self.x.len();
         let product = |a: &[f64], b: &[f64]| inner(self.system, (&a[..n], a[n]), (&b[..n], b[n]));
@@ -89,9 +92,10 @@ impl<'a, S: System> Chord<'a, S> {
         }
         add(1.0, &step[..n], &mut self.x);
         self.lambda += step[n];
-        let (left, before) = (product(&left, &left).sqrt(), product(&f, &f).sqrt());
-        self.last = Some((step, f));
-        Ok(left.max(FASTEST * before))
+        let (left, size) = (product(&left, &left).sqrt(), product(&f, &f).sqrt());
+        let rate = (size / self.size).max(FASTEST);
+        (self.last, self.size) = (Some((step, f)), size);
+        Ok(left.max(rate.min(1.0) * size))
     }
 }
 
