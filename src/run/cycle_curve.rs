@@ -225,8 +225,8 @@ impl Cycles<'_> {
         let there = self.numbers(&fine, &fine.orbit(&x), &p, form.as_ref(), fine.cosine(&x));
         let here = self.prepared.problem.resolve(&step.curve.parameters(point));
         let axes = step.curve.axes().map(|axis| axis.index);
-        let of_axis = |k: usize| (held != Some(k)).then(|| error(here[axes[k]], p[axes[k]]));
-        let of_numbers = own.iter().zip(&there).map(|(a, b)| Some(error((*a)?, (*b)?)));
+        let of_axis = |k: usize| error(here[axes[k]], p[axes[k]]).filter(|_| held != Some(k));
+        let of_numbers = own.iter().zip(&there).map(|(a, b)| error((*a)?, (*b)?));
         [of_axis(0), of_axis(1)].into_iter().chain(of_numbers).collect()
     }
 }

@@ -25,7 +25,7 @@ impl Folder {
     }
 
     /// Removes what an earlier run left of these tasks, and its summary.
-    pub fn clear<'a>(&self, tasks: impl Iterator<Item = &'a str>) -> Result<(), StoreError> {
+    pub fn clear<'a>(&self, tasks: impl Iterator<Item = &'a str>) {
         remove(&self.path("summary.json"));
         for task in tasks {
             remove(&self.path("branches").join(format!("{task}.csv")));
@@ -38,7 +38,6 @@ impl Folder {
                     .for_each(|e| remove(&e.path()));
             }
         }
-        Ok(())
     }
 
     /// Removes the branches of a diagram: those of other numbers would be left.

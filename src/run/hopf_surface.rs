@@ -1,6 +1,7 @@
 //! A task of kind `hopf-surface`: Hopf points in three parameters as triangles, with criticality and errors.
 
 use super::equilibria::error;
+use super::hopf_curve::{COARSE, moved};
 use super::outcome::{Outcome, Status};
 use super::start::{StartError, Stored, coordinate};
 use super::study::Prepared;
@@ -35,8 +36,6 @@ enum SurfaceError {
 const LARGEST: f64 = 0.05;
 /// Relative changes of sigma below this, over a whole range, are none.
 const IDLE: f64 = 1e-10;
-/// Estimated relative error of a parameter from which on the discretisation counts as too coarse.
-const COARSE: f64 = 1e-3;
 /// Points whose rows are made at once, between looks at Ctrl-C.
 const BATCH: usize = 64;
 
@@ -149,7 +148,7 @@ impl Tool<'_> {
         if let Some(failure) = cover.failures.first() {
             reason += &format!("; {} places were left uncovered ({failure})", cover.failures.len());
         }
-        let coarse = samples.iter().filter(|sample| self.too_coarse(sample)).count();
+        let coarse = samples.iter().filter(|sample| self.too_coarse(&surface, sample)).count();
         if coarse > 0 {
             reason += &format!(
                 "; at {coarse} points the estimated relative error exceeds {COARSE:.0e}: the discretisation does not resolve \
@@ -229,10 +228,10 @@ impl Tool<'_> {
         Sample { p, solved, here, fine }
     }
 
-    fn too_coarse(&self, sample: &Sample) -> bool {
-        let Some(free) = self.free().nth(sample.solved) else { return false };
+    fn too_coarse(&self, surface: &HopfSurface, sample: &Sample) -> bool {
+        let axis = surface.coordinates[sample.solved];
         let both = sample.here.as_ref().zip(sample.fine.as_ref());
-        both.is_some_and(|(here, fine)| (fine.hopf.p[free] / here.hopf.p[free] - 1.0).abs() > COARSE)
+        both.is_some_and(|(here, fine)| moved(axis, here.hopf.p[axis.index], fine.hopf.p[axis.index]) > COARSE)
     }
 
     fn row(&self, branch: &Branch, sample: &Sample) -> Row {
@@ -258,7 +257,7 @@ impl Tool<'_> {
             Some(name) if places.contains_key(name) && Some(name) != solved => None,
             Some(name) => {
                 let (here, fine) = (sample.here.as_ref()?, sample.fine.as_ref()?);
-                Some(error(value(Some(here), name)?, value(Some(fine), name)?))
+                error(value(Some(here), name)?, value(Some(fine), name)?)
             }
             None => value(sample.here.as_ref(), &column.name),
         };

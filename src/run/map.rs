@@ -226,7 +226,7 @@ impl Map<'_> {
         let fine = line.leading(p).ok();
         *counts += line.counts;
         let (here, fine) = (here.mode.value, fine?.mode.value);
-        Some([error(here.re, fine.re), error(here.im, fine.im)])
+        Some([error(here.re, fine.re)?, error(here.im, fine.im)?])
     }
 
     fn row(&self, branch: &Branch, k: usize, cell: Option<&Cell>) -> Row {

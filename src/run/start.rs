@@ -1,4 +1,4 @@
-//! Hopf points that tasks start from: which may be named, and what of them was stored.
+//! Points that tasks start from: which may be named, and what of them was stored.
 
 use super::study::Prepared;
 use crate::bifurcation::Coordinate;

@@ -93,7 +93,7 @@ impl Tool<'_> {
             for (name, &value) in &point.values {
                 if let Some(&other) = fine.get(name) {
                     let floor = floors.get(name).copied().unwrap_or(0.0);
-                    point.errors.insert(name.clone(), error(value, other).max(floor));
+                    point.errors.extend(error(value, other).map(|error| (name.clone(), error.max(floor))));
                 }
             }
         }

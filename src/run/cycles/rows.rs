@@ -47,6 +47,15 @@ impl Pending {
             special,
         }
     }
+
+    /// What the multipliers say.
+    pub fn stable(&self) -> Option<bool> {
+        match self.multipliers.as_ref()?.verdict() {
+            Stability::Stable => Some(true),
+            Stability::Unstable => Some(false),
+            Stability::Undecided => None,
+        }
+    }
 }
 
 /// A branch without rows: its columns are what the task asks for.
@@ -66,6 +75,7 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
             columns.push((format!("error {}", columns[k].0), columns[k].1.clone()));
         }
     }
+    columns.extend(task.along.logarithmic.iter().map(|name| (format!("log10 {name}"), String::new())));
     Branch {
         name: name.to_owned(),
         kind: BranchKind::Cycles,
@@ -75,6 +85,11 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
         points: Vec::new(),
         triangles: Vec::new(),
     }
+}
+
+/// The last entry of a row, where the parameter is logarithmic.
+pub fn logarithm(task: &scene::Cycles, lambda: f64) -> Option<Option<f64>> {
+    (!task.along.logarithmic.is_empty()).then(|| Some(lambda.log10()))
 }
 
 /// Drift velocities of the task's orbits.
@@ -126,15 +141,12 @@ impl<'a> Maker<'a> {
             let errors = measured
                 .iter()
                 .enumerate()
-                .map(|(k, &value)| known(k).or(fine.as_ref().map(|fine| error(value, fine[k]))));
+                .map(|(k, &value)| known(k).or(fine.as_ref().and_then(|fine| error(value, fine[k]))));
             values.extend(errors);
         }
-        let stable = found.map(Multipliers::verdict).and_then(|verdict| match verdict {
-            Stability::Stable => Some(true),
-            Stability::Unstable => Some(false),
-            Stability::Undecided => None,
-        });
-        Row { label: None, stable, values }
+        values.extend(logarithm(self.task, *lambda));
+        values.iter_mut().for_each(|value| *value = value.filter(|value| value.is_finite()));
+        Row { label: None, stable: point.stable(), values }
     }
 }
 
@@ -155,10 +167,6 @@ impl Cycles<'_> {
     /// Takes over rows and names those that are special points.
     pub fn append(&mut self, pending: &[Pending], rows: Vec<Row>) {
         for (point, row) in pending.iter().zip(rows) {
-            // The Hopf point itself is as stable as the first cycle; a relative branch's first row is no such point.
-            if let (false, [onset]) = (self.task.relative, &mut self.branch.rows[..]) {
-                onset.stable = row.stable;
-            }
             self.branch.rows.push(row);
             if let Some(kind) = point.kind {
                 self.name_last_row(point, kind);
@@ -175,14 +183,14 @@ impl Cycles<'_> {
         let row = self.branch.rows.len() - 1;
         let (mut values, mut errors) = (BTreeMap::new(), BTreeMap::new());
         for (column, value) in self.branch.columns.iter().zip(&self.branch.rows[row].values).skip(1) {
-            let Some(value) = *value else { continue };
+            let Some(value) = value.filter(|_| !column.name.starts_with("log10 ")) else { continue };
             match column.name.strip_prefix("error ") {
                 Some(name) => errors.insert(name.to_owned(), value),
                 None => values.insert(column.name.clone(), value),
             };
         }
         let Special { values: own, errors: sure, cosine } = &point.special;
-        values.extend(own.iter().map(|(name, value)| ((*name).to_owned(), *value)));
+        values.extend(own.iter().filter(|(_, value)| value.is_finite()).map(|(name, value)| ((*name).to_owned(), *value)));
         let sure = sure.iter().filter(|(_, error)| error.is_finite());
         errors.extend(sure.map(|(name, error)| (name.clone(), *error)));
         let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
@@ -207,7 +215,7 @@ impl Cycles<'_> {
         let list = self.prepared.problem.parameters();
         let parameters = list.iter().zip(&resolved).map(|(q, &x)| (q.name.to_owned(), x)).collect();
         let mut special = SpecialPoint { label, kind, row, parameters, values, errors, arrays };
-        if self.prepared.waves.contains(&short) {
+        if self.prepared.waves.contains(&special.label) {
             wave::of_orbit(self.prepared, orbit, &frame.symmetry, &p, &mut special);
         }
         self.branch.rows[row].label = Some(short);

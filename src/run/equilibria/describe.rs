@@ -75,6 +75,7 @@ fn measure(prepared: &Prepared, system: &Equilibria, point: &Point, leading: Opt
     let list = system.problem.observables();
     let mut values: BTreeMap<String, f64> =
         prepared.observables.iter().map(|&i| (list[i].name.to_owned(), observe(system, point, i))).collect();
+    values.retain(|_, value| value.is_finite());
     if let Some(sigma) = leading {
         values.insert("growth".to_owned(), sigma.re);
         values.insert("omega".to_owned(), sigma.im.abs());
@@ -123,7 +124,7 @@ pub fn estimate(
     let free = &prepared.free_name;
     for (name, step) in rounding(sample, free) {
         let value = point.parameters.get(&name).or(point.values.get(&name)).copied().unwrap_or(0.0);
-        point.errors.insert(name, (SCATTER * step).max(error(value, value)));
+        point.errors.extend(error(value, value).map(|least| (name, least.max(SCATTER * step))));
     }
     let Some(refined) = prepared.problem.refined() else { return true };
     let Some((lambda, fine)) = finer(prepared, system, &refined, (sample, neighbours), spectra) else {
@@ -137,10 +138,10 @@ pub fn estimate(
         return !located;
     };
     let here = system.coordinate.value(sample.point.lambda);
-    let moved = lambda.map(|lambda| (free.clone(), error(here, lambda)));
+    let moved = lambda.and_then(|lambda| Some((free.clone(), error(here, lambda)?)));
     let compared = point.values.iter().filter_map(|(name, &value)| {
         let fine = fine.get(name).filter(|fine| **fine != 0.0 || value != 0.0)?;
-        Some((name.clone(), error(value, *fine)))
+        Some((name.clone(), error(value, *fine)?))
     });
     let compared: Vec<(String, f64)> = compared.chain(moved).collect();
     for (name, error) in compared {
@@ -234,7 +235,8 @@ const SAFETY: f64 = 2.0;
 /// one exceeds ten times the other in 6 of 100 cases; less often where the larger of two steps is known.
 pub const SCATTER: f64 = 10.0;
 
-/// Twice the difference, but not less than rounding.
-pub fn error(value: f64, fine: f64) -> f64 {
-    (SAFETY * (value - fine).abs()).max(4.0 * f64::EPSILON * value.abs())
+/// Twice the difference, but not less than rounding; None where one of the two does not exist.
+pub fn error(value: f64, fine: f64) -> Option<f64> {
+    let moved = SAFETY * (value - fine).abs();
+    moved.is_finite().then(|| moved.max(4.0 * f64::EPSILON * value.abs()))
 }

@@ -16,6 +16,7 @@ use crate::continuation::{Counts, Point, StepControl, Stop, Walk};
 use crate::problem::{Problem, Refinement};
 use crate::scene;
 use sample::{Reached, Sample};
+pub use sample::{COARSE, moved};
 use start::CurveError;
 use std::sync::Mutex;
 use std::time::Instant;
@@ -108,7 +109,8 @@ impl Curve<'_> {
         let mut back = point.clone();
         reverse(&mut back);
         let start = HopfSegment { curve: curve.clone(), from: point.clone(), to: point.clone() };
-        let start = self.samples(vec![(start, point.clone(), None)]);
+        let mark = locus::start_mark(self.prepared, &self.task.along, &start);
+        let start = self.samples(vec![(start, point.clone(), mark)]);
         // Both ways at a time, each with half of the points.
         let most = self.task.along.max_points.saturating_sub(1).div_ceil(2);
         let go = |curve: HopfCurve, from: Point| {

@@ -23,7 +23,7 @@ impl Curve<'_> {
         for ((row, _, kind), mut point) in marked.into_iter().zip(points) {
             let (short, label) = labels(branch, kind);
             point.label = label;
-            if self.prepared.waves.contains(&short) {
+            if self.prepared.waves.contains(&point.label) {
                 crate::run::wave::of_mode(self.prepared, &mut point);
             }
             branch.rows[row].label = Some(short);
@@ -81,7 +81,7 @@ impl Curve<'_> {
                 if Some(name) == held {
                     return None;
                 }
-                let moved = error(value(Some(here), name)?, value(Some(fine), name)?);
+                let moved = error(value(Some(here), name)?, value(Some(fine), name)?)?;
                 Some(moved.max(self.rounding(sample, name)))
             }
             None => value(sample.here.as_ref(), &column.name),
@@ -145,12 +145,13 @@ impl Curve<'_> {
                 continue;
             };
             if !matches!(test, Test::Value(held, _) if held == k) {
-                errors.insert(name.to_owned(), error(here, there).max(self.rounding(sample, name)));
+                let moved = error(here, there).map(|moved| moved.max(self.rounding(sample, name)));
+                errors.extend(moved.map(|error| (name.to_owned(), error)));
             }
         }
         for (name, fine) in coefficients(&segment, &point, test) {
             if let Some(&value) = deciding.get(&name) {
-                errors.insert(name, error(value, fine));
+                errors.extend(error(value, fine).map(|error| (name, error)));
             }
         }
         errors
