@@ -69,6 +69,21 @@ fn a_branch_goes_both_ways_from_the_last_turn() {
     }
 }
 
+/// What a file held before is no state to go on from.
+#[test]
+fn other_samples_are_another_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = Scene::parse(SCENE, &folder.path().join("circle.toml"), &[]).expect("a scene");
+    let mut options = RunOptions { out: folder.path().join("out"), only: Vec::new(), resume: false, quiet: true };
+    let mut start = |samples: &str, resume: bool| {
+        fs::write(folder.path().join("samples.csv"), samples).expect("a file");
+        options.resume = resume;
+        run(&scene, &options).expect("a run").success()
+    };
+    assert!(start(&spiral(900), false) && start(&spiral(900), true));
+    assert!(!start("t,x,y\n0,1,0\n", true));
+}
+
 #[test]
 fn what_is_wrong_with_samples_is_said() {
     let still: String = (0..40).map(|k| format!("{k},1,1\n")).collect();

@@ -40,8 +40,9 @@ pub fn check(scene: &Scene) -> Result<(), SceneError> {
     }
     for figure in &scene.figures {
         let task = figure.point.as_ref().and_then(|point| owner(&scene.tasks, point));
-        if let Some(TaskKind::Simulate(_) | TaskKind::FoldCurve(_) | TaskKind::BranchPointCurve(_) | TaskKind::CycleCurve(..)) =
-            task.map(|task| &task.kind)
+        if let Some(
+            TaskKind::Simulate(_) | TaskKind::FoldCurve(_) | TaskKind::BranchPointCurve(_) | TaskKind::CycleCurve(..),
+        ) = task.map(|task| &task.kind)
         {
             let message = "waveforms are drawn of points of equilibria, cycles, hopf-curve and calibration tasks";
             return Err(scene.refuse(&figure.at, message));

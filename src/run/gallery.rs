@@ -104,7 +104,8 @@ fn study(path: &Path, results: &Path, pictures: &Path) -> Result<(String, Option
 /// The way from one folder to another: up to what they share, then down.
 fn between(from: &Path, to: &Path) -> Result<PathBuf, RunError> {
     let absolute = |path: &Path| {
-        std::path::absolute(path).map_err(|e| RunError::Input(format!("cannot find the folder {}: {e}", path.display())))
+        std::path::absolute(path)
+            .map_err(|e| RunError::Input(format!("cannot find the folder {}: {e}", path.display())))
     };
     let (from, to) = (absolute(from)?, absolute(to)?);
     let shared = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();

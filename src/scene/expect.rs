@@ -12,7 +12,9 @@ pub(super) fn ends(root: &Section<'_>, tasks: &[Task]) -> Result<BTreeMap<String
     for (name, entry) in entry.section("a section, [expect]")?.entries() {
         if let Some(task) = tasks.iter().find(|task| task.name == name) {
             if let TaskKind::Diagram(_) = task.kind {
-                let message = format!("{name:?} is a diagram: each of its branches ends in its own way, and none is to be expected");
+                let message = format!(
+                    "{name:?} is a diagram: each of its branches ends in its own way, and none is to be expected"
+                );
                 return Err(entry.error(Fault::Other(message)));
             }
             let section = entry.section("a table, TASK.ends = \"part of the reason\"")?;

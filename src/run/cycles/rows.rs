@@ -190,7 +190,9 @@ impl Cycles<'_> {
             };
         }
         let Special { values: own, errors: sure, cosine } = &point.special;
-        values.extend(own.iter().filter(|(_, value)| value.is_finite()).map(|(name, value)| ((*name).to_owned(), *value)));
+        values.extend(
+            own.iter().filter(|(_, value)| value.is_finite()).map(|(name, value)| ((*name).to_owned(), *value)),
+        );
         let sure = sure.iter().filter(|(_, error)| error.is_finite());
         errors.extend(sure.map(|(name, error)| (name.clone(), *error)));
         let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };

@@ -91,9 +91,9 @@ impl Cycles<'_> {
                 let named = names.iter().map(|column| column.name.clone());
                 special.errors = errors(named, &own, &columns);
                 let pairs = special.values.iter().zip(values(&fine, &y));
-                special.errors.extend(
-                    pairs.filter_map(|((name, a), (_, b))| Some(((*name).to_owned(), error(*a, b)?))),
-                );
+                special
+                    .errors
+                    .extend(pairs.filter_map(|((name, a), (_, b))| Some(((*name).to_owned(), error(*a, b)?))));
             }
         }
         special.values.extend(located.pair.map(|(re, im)| ("theta", angle(re / re.hypot(im), system.frame.parts))));

@@ -240,3 +240,17 @@ pub fn error(value: f64, fine: f64) -> Option<f64> {
     let moved = SAFETY * (value - fine).abs();
     moved.is_finite().then(|| moved.max(4.0 * f64::EPSILON * value.abs()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::error;
+
+    #[test]
+    fn what_does_not_exist_has_no_error() {
+        assert_eq!(error(1.0, 1.5), Some(1.0));
+        assert_eq!(error(3.0, 3.0), Some(12.0 * f64::EPSILON));
+        for (value, fine) in [(1.0, f64::NAN), (f64::NAN, 1.0), (1.0, f64::INFINITY)] {
+            assert_eq!(error(value, fine), None);
+        }
+    }
+}
