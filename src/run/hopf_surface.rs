@@ -1,6 +1,6 @@
 //! A task of kind `hopf-surface`: Hopf points in three parameters as triangles, with criticality and errors.
 
-use super::equilibria::error;
+use super::equilibria::{error, frequency};
 use super::hopf_curve::{COARSE, moved};
 use super::outcome::{Outcome, Status};
 use super::start::{StartError, Stored, coordinate};
@@ -72,28 +72,20 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Surface) -> Branch {
     let free: Vec<_> = prepared.others.iter().chain([&prepared.free]).map(|&i| &list[i]).collect();
     let time = prepared.problem.time_unit();
     let per = |unit: &str| if time.is_empty() { unit.to_owned() } else { format!("{unit}/{time}") };
-    let frequency = match time {
-        "s" => "Hz".to_owned(),
-        "" => String::new(),
-        _ => per("1"),
-    };
     let mut columns: Vec<(String, String)> = free.iter().map(|q| (q.name.to_owned(), q.unit.to_owned())).collect();
     columns.extend(task.along.logarithmic.iter().map(|name| (format!("log10 {name}"), String::new())));
-    let own = [("omega", per("rad")), ("frequency", frequency), ("lyapunov", String::new())];
+    let own = [("omega", per("rad")), ("frequency", frequency(time)), ("lyapunov", String::new())];
     columns.extend(own.map(|(name, unit)| (name.to_owned(), unit)));
     if task.along.errors {
         let measured = columns.clone().into_iter().filter(|(name, _)| !name.starts_with("log10 "));
         columns.extend(measured.map(|(name, unit)| (format!("error {name}"), unit)));
     }
-    Branch {
-        name: name.to_owned(),
-        kind: BranchKind::HopfSurface,
-        free: free.iter().map(|q| q.name.to_owned()).collect(),
-        columns: columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
-        rows: Vec::new(),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    }
+    Branch::new(
+        name,
+        BranchKind::HopfSurface,
+        free.iter().map(|q| q.name.to_owned()).collect(),
+        columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
+    )
 }
 
 struct Tool<'a> {

@@ -104,15 +104,12 @@ pub fn empty(
     let mut columns: Vec<(String, String)> = free.iter().map(|q| (q.name.to_owned(), q.unit.to_owned())).collect();
     columns.extend(task.along.logarithmic.iter().map(|name| (format!("log10 {name}"), String::new())));
     columns.extend(own);
-    Branch {
-        name: name.to_owned(),
+    Branch::new(
+        name,
         kind,
-        free: free.iter().map(|q| q.name.to_owned()).collect(),
-        columns: columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
-        rows: Vec::new(),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    }
+        free.iter().map(|q| q.name.to_owned()).collect(),
+        columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
+    )
 }
 
 /// Tests for the values that a task wants of its two parameters.
@@ -173,16 +170,12 @@ pub fn special(
     special
 }
 
-pub fn vector(data: Vec<f64>) -> Array {
-    Array { shape: vec![data.len()], data }
-}
-
 /// State, tangent and parameters of a steady point.
 pub fn steady_arrays(point: &Point, dim: usize, p: &[f64]) -> BTreeMap<String, Array> {
     BTreeMap::from([
-        ("state".to_owned(), vector(point.x[..dim].to_vec())),
-        ("tangent".to_owned(), vector([&point.tangent[..], &[point.tangent_lambda]].concat())),
-        ("parameters".to_owned(), vector(p.to_vec())),
+        ("state".to_owned(), Array::vector(point.x[..dim].to_vec())),
+        ("tangent".to_owned(), Array::vector([&point.tangent[..], &[point.tangent_lambda]].concat())),
+        ("parameters".to_owned(), Array::vector(p.to_vec())),
     ])
 }
 

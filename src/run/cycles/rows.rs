@@ -76,15 +76,12 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
         }
     }
     columns.extend(task.along.logarithmic.iter().map(|name| (format!("log10 {name}"), String::new())));
-    Branch {
-        name: name.to_owned(),
-        kind: BranchKind::Cycles,
-        free: vec![prepared.free_name.clone()],
-        columns: columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
-        rows: Vec::new(),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    }
+    Branch::new(
+        name,
+        BranchKind::Cycles,
+        vec![prepared.free_name.clone()],
+        columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
+    )
 }
 
 /// The last entry of a row, where the parameter is logarithmic.
@@ -195,24 +192,23 @@ impl Cycles<'_> {
         );
         let sure = sure.iter().filter(|(_, error)| error.is_finite());
         errors.extend(sure.map(|(name, error)| (name.clone(), *error)));
-        let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
         let nodes =
             |orbit: &Orbit| Array { shape: vec![orbit.nodes.len() / orbit.dim, orbit.dim], data: orbit.nodes.clone() };
         let mut arrays = BTreeMap::from([
             ("state".to_owned(), nodes(orbit)),
             ("tangent".to_owned(), nodes(tangent)),
-            ("tangent_part_lambda".to_owned(), vector(vec![tangent.part, point.tangent_lambda])),
-            ("mesh".to_owned(), vector(orbit.mesh.clone())),
-            ("degree_parts".to_owned(), vector(vec![orbit.degree as f64, orbit.parts as f64])),
-            ("part".to_owned(), vector(vec![orbit.part])),
-            ("gauss_free".to_owned(), vector(vec![f64::from(u8::from(self.task.gauss)), frame.free as f64])),
-            ("parameters".to_owned(), vector(resolved.clone())),
+            ("tangent_part_lambda".to_owned(), Array::vector(vec![tangent.part, point.tangent_lambda])),
+            ("mesh".to_owned(), Array::vector(orbit.mesh.clone())),
+            ("degree_parts".to_owned(), Array::vector(vec![orbit.degree as f64, orbit.parts as f64])),
+            ("part".to_owned(), Array::vector(vec![orbit.part])),
+            ("gauss_free".to_owned(), Array::vector(vec![f64::from(u8::from(self.task.gauss)), frame.free as f64])),
+            ("parameters".to_owned(), Array::vector(resolved.clone())),
         ]);
         if !orbit.drift.is_empty() {
-            arrays.insert("drift".to_owned(), vector(orbit.drift.clone()));
-            arrays.insert("tangent_drift".to_owned(), vector(tangent.drift.clone()));
+            arrays.insert("drift".to_owned(), Array::vector(orbit.drift.clone()));
+            arrays.insert("tangent_drift".to_owned(), Array::vector(tangent.drift.clone()));
         }
-        arrays.extend(cosine.map(|cosine| ("critical".to_owned(), vector(vec![cosine]))));
+        arrays.extend(cosine.map(|cosine| ("critical".to_owned(), Array::vector(vec![cosine]))));
         let (short, label) = labels(&self.branch, kind);
         let list = self.prepared.problem.parameters();
         let parameters = list.iter().zip(&resolved).map(|(q, &x)| (q.name.to_owned(), x)).collect();

@@ -29,16 +29,15 @@ pub fn describe(
     special.parameters = names.zip(&p).map(|(q, &x)| (q.name.to_owned(), x)).collect();
     special.values = measure(prepared, system, &sample.point, known(sample));
     let arrays = &mut special.arrays;
-    let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
-    arrays.insert("state".to_owned(), vector(sample.point.x.clone()));
-    arrays.insert("parameters".to_owned(), vector(p));
-    arrays.insert("tangent".to_owned(), vector(sample.point.tangent.clone()));
-    arrays.insert("scale".to_owned(), vector(vec![system.scale_state]));
+    arrays.insert("state".to_owned(), Array::vector(sample.point.x.clone()));
+    arrays.insert("parameters".to_owned(), Array::vector(p));
+    arrays.insert("tangent".to_owned(), Array::vector(sample.point.tangent.clone()));
+    arrays.insert("scale".to_owned(), Array::vector(vec![system.scale_state]));
     let mode = match &sample.mark {
         Some(Mark::Hopf(found)) => {
             special.values.extend(of_hopf(&found.0, &found.1));
-            arrays.insert("w_re".to_owned(), vector(found.0.w.iter().map(|z| z.re).collect()));
-            arrays.insert("w_im".to_owned(), vector(found.0.w.iter().map(|z| z.im).collect()));
+            arrays.insert("w_re".to_owned(), Array::vector(found.0.w.iter().map(|z| z.re).collect()));
+            arrays.insert("w_im".to_owned(), Array::vector(found.0.w.iter().map(|z| z.im).collect()));
             Some(found.0.q.clone())
         }
         _ => modes.and_then(|tool| tool.mode(&sample.point)),
@@ -46,19 +45,19 @@ pub fn describe(
     match &sample.mark {
         Some(Mark::Fold(Some(fold))) => {
             special.values.extend(of_fold(fold));
-            arrays.insert("kernel".to_owned(), vector(fold.q.clone()));
+            arrays.insert("kernel".to_owned(), Array::vector(fold.q.clone()));
         }
         Some(Mark::Branch(found)) => {
             special.values.extend(of_branch_point(found));
-            arrays.insert("kernel".to_owned(), vector(found.form.q.clone()));
-            arrays.insert("free".to_owned(), vector(vec![system.coordinate.index as f64]));
-            arrays.insert("other_tangent".to_owned(), vector([&found.across.u[..], &[found.across.p]].concat()));
+            arrays.insert("kernel".to_owned(), Array::vector(found.form.q.clone()));
+            arrays.insert("free".to_owned(), Array::vector(vec![system.coordinate.index as f64]));
+            arrays.insert("other_tangent".to_owned(), Array::vector([&found.across.u[..], &[found.across.p]].concat()));
         }
         _ => {}
     }
     if let Some(q) = mode {
-        arrays.insert("q_re".to_owned(), vector(q.iter().map(|z| z.re).collect()));
-        arrays.insert("q_im".to_owned(), vector(q.iter().map(|z| z.im).collect()));
+        arrays.insert("q_re".to_owned(), Array::vector(q.iter().map(|z| z.re).collect()));
+        arrays.insert("q_im".to_owned(), Array::vector(q.iter().map(|z| z.im).collect()));
     }
 }
 

@@ -57,15 +57,7 @@ pub fn run(prepared: &Prepared, name: &str, task: &scene::Equilibria, origin: Or
 
 /// A branch without rows.
 pub fn empty(name: &str, task: &scene::Equilibria) -> Branch {
-    Branch {
-        name: name.to_owned(),
-        kind: BranchKind::Equilibria,
-        free: vec![task.along.free.clone()],
-        columns: Vec::new(),
-        rows: Vec::new(),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    }
+    Branch::new(name, BranchKind::Equilibria, vec![task.along.free.clone()], Vec::new())
 }
 
 fn follow(
@@ -259,6 +251,15 @@ fn rows(prepared: &Prepared, system: &Equilibria, task: &scene::Equilibria, samp
         let bounded = |sigma: &c64| growth(*sigma) < 0.0 || growth(*sigma) == 0.0 && sigma.im != 0.0;
         let stable = sample.values.first().filter(|_| !on_axis).map(bounded);
         branch.rows.push(Row { label: None, stable, values });
+    }
+}
+
+/// The unit of frequencies.
+pub fn frequency(time: &str) -> String {
+    match time {
+        "" => String::new(),
+        "s" => "Hz".to_owned(),
+        other => format!("1/{other}"),
     }
 }
 

@@ -5,6 +5,7 @@ mod rows;
 mod sample;
 mod start;
 
+use super::equilibria::{frequency, rates};
 use super::locus;
 use super::outcome::{Outcome, Status, joined};
 use super::start::coordinates;
@@ -72,10 +73,9 @@ pub fn run(prepared: &Prepared, name: &str, task: &scene::Curve, from: &SpecialP
 
 pub fn empty(prepared: &Prepared, name: &str, task: &scene::Curve) -> Branch {
     let time = prepared.problem.time_unit();
-    let of_time = |units: [&str; 2]| if time.is_empty() { units[0].to_owned() } else { units[1].replace("{s}", time) };
     let own = [
-        ("omega", of_time(["rad", "rad/{s}"])),
-        ("frequency", if time == "s" { "Hz".to_owned() } else { of_time(["", "1/{s}"]) }),
+        ("omega", rates(time).1),
+        ("frequency", frequency(time)),
         ("lyapunov", String::new()),
         ("dsigma_re", String::new()),
         ("dsigma_im", String::new()),

@@ -114,16 +114,15 @@ impl Curve<'_> {
         let resolved = self.prepared.problem.resolve(&p);
         let list = self.prepared.problem.parameters();
         let n = self.prepared.problem.dim();
-        let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
         let mut arrays = BTreeMap::from([
-            ("state".to_owned(), vector(sample.point.x[..n].to_vec())),
-            ("parameters".to_owned(), vector(resolved.clone())),
-            ("tangent".to_owned(), vector([&sample.point.tangent[..], &[sample.point.tangent_lambda]].concat())),
+            ("state".to_owned(), Array::vector(sample.point.x[..n].to_vec())),
+            ("parameters".to_owned(), Array::vector(resolved.clone())),
+            ("tangent".to_owned(), Array::vector([&sample.point.tangent[..], &[sample.point.tangent_lambda]].concat())),
         ]);
         if let Some(Here { hopf, .. }) = &sample.here {
             for (name, z) in [("q", &hopf.q), ("w", &hopf.w)] {
-                arrays.insert(format!("{name}_re"), vector(z.iter().map(|z| z.re).collect()));
-                arrays.insert(format!("{name}_im"), vector(z.iter().map(|z| z.im).collect()));
+                arrays.insert(format!("{name}_re"), Array::vector(z.iter().map(|z| z.re).collect()));
+                arrays.insert(format!("{name}_im"), Array::vector(z.iter().map(|z| z.im).collect()));
             }
         }
         let parameters = list.iter().zip(&resolved).map(|(q, &x)| (q.name.to_owned(), x)).collect();

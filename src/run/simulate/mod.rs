@@ -66,15 +66,7 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Simulate) -> Branch 
     }
     let free = vec![columns[0].0.clone()];
     let columns = columns.into_iter().map(|(name, unit)| Column { name, unit }).collect();
-    Branch {
-        name: name.to_owned(),
-        kind: BranchKind::Simulation,
-        free,
-        columns,
-        rows: Vec::new(),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    }
+    Branch::new(name, BranchKind::Simulation, free, columns)
 }
 
 pub fn run(
@@ -343,9 +335,10 @@ impl Simulation<'_> {
         let resolved = self.prepared.problem.resolve(p);
         let list = self.prepared.problem.parameters();
         point.parameters = list.iter().zip(&resolved).map(|(q, &x)| (q.name.to_owned(), x)).collect();
-        let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
-        point.arrays =
-            BTreeMap::from([("state".to_owned(), vector(u.to_vec())), ("parameters".to_owned(), vector(resolved))]);
+        point.arrays = BTreeMap::from([
+            ("state".to_owned(), Array::vector(u.to_vec())),
+            ("parameters".to_owned(), Array::vector(resolved)),
+        ]);
         point
     }
 
