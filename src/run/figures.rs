@@ -1,13 +1,13 @@
 //! Figures: from the scene's words to what `plot` draws, now or again from stored data.
 
 use super::bench::Report;
+use super::files::write_figure;
 use super::summary::Summary;
 use super::{RunError, place};
-use crate::branch::{Branch, BranchKind, StoreError, read_arrays, read_branch, read_triangles, write_atomically};
+use crate::branch::{Branch, BranchKind, read_arrays, read_branch, read_triangles};
 use crate::plot::{Spec, SpecKind, draw};
 use crate::scene::{Figure, Scene, SceneError, Task, TaskKind, owner};
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::Path;
 
 /// What only the model and the tasks can tell about a scene's figures.
@@ -111,7 +111,7 @@ pub fn redraw(folder: &Path) -> Result<Vec<String>, RunError> {
     if let Some(report) = Report::read(folder)? {
         let figures = report.figures()?;
         for (name, svg) in &figures {
-            write(folder, name, svg)?;
+            write_figure(folder, name, svg)?;
         }
         return Ok(figures.into_iter().map(|(name, _)| name).collect());
     }
@@ -139,12 +139,8 @@ pub fn redraw(folder: &Path) -> Result<Vec<String>, RunError> {
     let mut drawn = Vec::new();
     for spec in &summary.figures {
         let svg = draw(spec, &branches)?;
-        write(folder, &spec.name, &svg)?;
+        write_figure(folder, &spec.name, &svg)?;
         drawn.push(spec.name.clone());
     }
     Ok(drawn)
-}
-
-fn write(folder: &Path, name: &str, svg: &str) -> Result<(), StoreError> {
-    write_atomically(&folder.join("figures").join(format!("{name}.svg")), |file| file.write_all(svg.as_bytes()))
 }

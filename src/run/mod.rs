@@ -113,10 +113,12 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
             match task.kind {
                 // Any state will do.
                 TaskKind::Simulate(_) => {}
-                TaskKind::FoldCurve(_) => start::check_fold(scene, from, at)?,
-                TaskKind::BranchPointCurve(_) => start::check_branch_point(scene, from, at)?,
+                TaskKind::FoldCurve(_) => start::check_point(scene, (from, at), ("LP", "a fold"), "equilibria")?,
+                TaskKind::BranchPointCurve(_) => {
+                    start::check_point(scene, (from, at), ("BP", "a branch point"), "equilibria")?;
+                }
                 TaskKind::Equilibria(_) => start::check_equilibrium(scene, from, at)?,
-                TaskKind::CycleCurve(kind, _) => start::check_cycle(scene, (from, at), kind.point())?,
+                TaskKind::CycleCurve(kind, _) => start::check_point(scene, (from, at), kind.point(), "cycles")?,
                 TaskKind::Cycles(ref cycles) if cycles.relative => start::check_relative(scene, &prepared, from, at)?,
                 TaskKind::Cycles(_) if start::is_cycle(scene, from) => {}
                 _ => start::check(scene, from, at)?,

@@ -84,11 +84,7 @@ impl Scene {
 
     /// The same with one of the faults of this module, for instance `Fault::unknown("parameter", name, known)`.
     pub fn fault(&self, at: &Place, fault: Fault) -> SceneError {
-        let argument = match at.line {
-            Some(_) => None,
-            None => overrides::behind(&self.sets, &at.key),
-        };
-        SceneError::Entry(Box::new(EntryError { path: self.path.clone(), at: at.clone(), argument, fault }))
+        entry::Source { path: &self.path, sets: &self.sets }.error(at.clone(), fault)
     }
 }
 
