@@ -404,9 +404,14 @@ impl Cycles<'_> {
             let turn = crossing(system, (from, to), &|point: &Point| point.tangent_lambda, counts);
             places.splice(1..1, turn.ok());
         }
-        for ends in places.windows(2) {
+        for (piece, ends) in places.windows(2).enumerate() {
             let (from, to) = (&ends[0], &ends[1]);
             for wanted in self.goals() {
+                // A row that has the value is not to be found again, where moving the mesh has moved it by rounding.
+                let row = self.branch.rows.last().filter(|_| piece == 0);
+                if row.is_some_and(|row| row.values[wanted.0] == Some(wanted.1)) {
+                    continue;
+                }
                 let value = |point: &Point| self.beyond(system, point, wanted);
                 let (a, b) = (value(from), value(to));
                 if !(a * b < 0.0 || b == 0.0) {
