@@ -4,6 +4,7 @@ use clap::Parser;
 use hopfline::cli::{self, Cli, Command};
 use hopfline::run::{self, RunError, RunOptions};
 use hopfline::scene::Scene;
+use std::collections::BTreeMap;
 use std::io::{ErrorKind, Write};
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -132,8 +133,15 @@ fn execute_run(arguments: cli::Run) -> Result<bool, RunError> {
     let batches: Vec<(PathBuf, Vec<Scene>)> = (arguments.input.scenes.iter())
         .map(|path| Ok((run::results_folder(path, &arguments.out), Scene::load_all(path, &arguments.input.sets)?)))
         .collect::<Result<_, RunError>>()?;
-    for scene in batches.iter().flat_map(|(_, scenes)| scenes) {
+    let mut folders: BTreeMap<PathBuf, &Scene> = BTreeMap::new();
+    for (out, scene) in batches.iter().flat_map(|(out, scenes)| scenes.iter().map(move |scene| (out, scene))) {
         run::check(scene, &arguments.only)?;
+        let folder = out.join(&scene.name);
+        if let Some(other) = folders.get(&folder) {
+            let (one, two, folder) = (other.path.display(), scene.path.display(), folder.display());
+            return Err(RunError::Input(format!("{one} and {two} would both write to {folder}: rename one of them")));
+        }
+        folders.insert(folder, scene);
     }
     let mut success = true;
     for ((out, scenes), path) in batches.iter().zip(&arguments.input.scenes) {

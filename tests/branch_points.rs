@@ -344,6 +344,56 @@ fn wrong_starts_are_refused() {
     assert!(reason.contains("does not lie inside the range"), "{reason}");
 }
 
+/// One task of equilibria in mu from -1 to 1, with what it is to do besides.
+fn equilibria(equations: &str, keys: &str) -> Summary {
+    let scene = format!(
+        "[model]\nequations = \"\"\"\n{equations}\n\"\"\"\n[model.parameters]\nmu = 0\n[model.start]\nx = 0\n[[task]]\n\
+         name = \"rest\"\nkind = \"equilibria\"\nfree = \"mu\"\nrange = [-1, 1]\nerrors = false\n{keys}"
+    );
+    study(&scene).unwrap()
+}
+
+fn labels(summary: &Summary) -> Vec<&str> {
+    summary.points.iter().map(|point| point.label.as_str()).collect()
+}
+
+#[test]
+fn a_wanted_value_does_not_take_the_place_of_a_branch_point() {
+    let summary = equilibria("x' = mu*x - x^3", "start = 0.5\ndetect = [\"BP\"]\nvalues = { mu = [0] }");
+    let found = labels(&summary);
+    assert!(found.contains(&"rest/BP1") && found.contains(&"rest/UZ1") && found.len() == 4, "{found:?}");
+}
+
+/// At both ends of the first an eigenvalue is 1, which is the first shift; slopes of a Hopf point can be expected.
+#[test]
+fn an_eigenvalue_may_be_the_shift() {
+    let summary = equilibria("x' = mu*x - x^3\ny' = -y", "spectrum = 2\ndetect = [\"HB\"]");
+    assert_eq!(summary.tasks[0].reason, "end of the range");
+    let expect = "detect = [\"HB\"]\n[expect]\n\"rest/HB1\".dsigma_re = { value = 1, tolerance = 1e-12 }";
+    assert!(equilibria("x' = mu*x - y\ny' = x + mu*y", expect).success());
+}
+
+#[test]
+fn what_cannot_be_looked_for_costs_no_branch() {
+    // No rate of change, no eigenvalues.
+    let summary = equilibria(
+        "0 = 2*mu + x - x^3/3",
+        "state = { x = -2.36 }\ndetect = [\"LP\", \"HB\"]\n[expect]\n\
+         rest.ends = \"what was looked for is not complete\"\n\"rest/LP1\".mu = { value = 0.3333333333333333, tolerance = 1e-12 }",
+    );
+    assert!(summary.tasks[0].points > 10 && summary.success(), "{:?} {:?}", summary.tasks, summary.expect);
+    assert_eq!(format!("{:?}", summary.tasks[0].status), "Failed");
+}
+
+/// On one side there are more points than are wanted, on the other the field ends.
+#[test]
+fn how_both_ways_ended_is_said() {
+    let keys = "start = 0.4999\nstate = { x = 0.03 }\nmax_points = 100\nmax_step = 0.02";
+    let summary = equilibria("x' = x - sqrt(0.5 - mu)", keys);
+    let reason = &summary.tasks[0].reason;
+    assert!(!summary.success() && reason.contains("one way: max_points reached; the other: no step"), "{reason}");
+}
+
 /// Euler's column as the elastica, clamped and free: `theta'' + P sin(theta) = 0, theta(0) = theta'(1) = 0`, in
 /// theta = sum u_k sin((k - 1/2) pi s), by Galerkin's method with Gauss points (weights and points of the midpoint rule, which
 /// is exact for these waves up to aliasing).

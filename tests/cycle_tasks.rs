@@ -179,3 +179,87 @@ fn what_cannot_be_is_refused() {
     refused("roessler", &["task.doublings.from=\"one/LPC1\""], "give it detect = [\"PD\", \"LPC\"]");
     refused("roessler", &["task.two.range=[0.2, 0.25]"], "one/PD1 at a = 0.147");
 }
+
+/// Circles of radius sqrt(r²) with mu = r⁴ - r²: a fold at mu = -1/4; they do not feel kappa.
+const FOLDED: &str = r#"
+[model]
+equations = """
+x' = (mu + x^2 + y^2 - (x^2 + y^2)^2)*x - y
+y' = x + (mu + x^2 + y^2 - (x^2 + y^2)^2)*y
+"""
+[model.parameters]
+mu = 0
+kappa = 7
+[model.observables]
+r = "sqrt(x^2 + y^2)"
+missing = "sqrt(x^2 + y^2 - 0.5)"
+[[task]]
+name = "rest"
+kind = "equilibria"
+free = "mu"
+range = [-1, 1]
+detect = ["HB"]
+[[task]]
+name = "cycles"
+kind = "cycles"
+from = "rest/HB1"
+free = "mu"
+range = [-1, 1]
+values = { mu = [-0.24999, 0.5] }
+multipliers = 1
+intervals = 6
+detect = ["LPC"]
+observables = ["max r", "mean missing"]
+[[task]]
+name = "small"
+kind = "cycles"
+from = "cycles/LPC1"
+free = "mu"
+range = [-0.3, 0.1]
+multipliers = 1
+intervals = 6
+[[task]]
+name = "across"
+kind = "cycles"
+from = "cycles/UZ1"
+free = "kappa"
+range = [6, 8]
+values = { kappa = [6.5, 7, 7.5] }
+intervals = 6
+[[task]]
+name = "beyond"
+kind = "cycles"
+from = "rest/HB1"
+free = "mu"
+range = [0, 1]
+intervals = 6
+"#;
+
+#[test]
+fn wanted_values_are_found_beside_folds_and_at_the_start() {
+    let out = tempfile::tempdir().expect("a folder");
+    let scene = Scene::parse(FOLDED, Path::new("scene.toml"), &[]).expect("a scene");
+    let options = RunOptions { out: out.path().to_owned(), only: Vec::new(), resume: false, quiet: true };
+    let summary = run(&scene, &options).expect("a run");
+    let point = |label: &str| summary.points.iter().find(|point| point.label == label).expect(label);
+    // Both circles at mu, one on each side of the fold.
+    let radius = |sign: f64| (0.5 + sign * 0.00001_f64.sqrt()).sqrt();
+    for (label, sign) in [("cycles/UZ1", -1.0), ("cycles/UZ2", 1.0)] {
+        assert_eq!(point(label).parameters["mu"], -0.24999);
+        close(label, point(label).values["max r"], radius(sign), 1e-3);
+    }
+    assert_eq!(point("cycles/UZ3").parameters["mu"], 0.5);
+    assert!(point("cycles/UZ1").row < point("cycles/LPC1").row && point("cycles/LPC1").row < point("cycles/UZ2").row);
+    // A number that does not exist is none: the mean of what is not real everywhere.
+    assert!(!point("cycles/UZ1").values.contains_key("mean missing"));
+    let text = std::fs::read_to_string(out.path().join("scene/branches/cycles.csv")).expect("a table");
+    assert!(!text.contains("NaN"), "{text}");
+    // A start among cycles is as stable as it is itself, not as the first cycle beside it.
+    let small = std::fs::read_to_string(out.path().join("scene/branches/small.csv")).expect("a table");
+    let fold = format!(",,{},", point("cycles/LPC1").parameters["mu"]);
+    assert!(small.lines().any(|line| line.starts_with(&fold[..14])), "undecided at {fold}: {small}");
+    let wanted: Vec<f64> = (1..=3).map(|k| point(&format!("across/UZ{k}")).parameters["kappa"]).collect();
+    assert_eq!(wanted, [7.0, 6.5, 7.5]);
+    let reason = &summary.tasks.iter().find(|task| task.name == "beyond").expect("a task").reason;
+    assert!(reason == "end of the range" || reason.contains("leave the range at once"), "{reason}");
+}

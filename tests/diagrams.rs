@@ -1,7 +1,7 @@
 //! Diagrams that are explored by themselves: switching, disconnected branches by deflation and given states, cycles.
 
-use hopfline::branch::{BranchKind, read_arrays};
-use hopfline::run::{RunOptions, Summary, plan, run};
+use hopfline::branch::{BranchKind, read_arrays, read_branch};
+use hopfline::run::{RunOptions, Summary, plan, redraw, run};
 use hopfline::scene::Scene;
 use std::path::Path;
 
@@ -110,6 +110,52 @@ fn every_pitchfork_is_met_once() {
     assert_eq!(study(&format!("{COUPLED}max_branches = 2")).unwrap().tasks.len(), 2);
 }
 
+/// Whatever a diagram did not find was expected in vain; states on known branches are no new starts, wherever the first began.
+#[test]
+fn branches_that_are_not_found_are_missed() {
+    let more =
+        "start = 0.5\nstates = [{ x = 0.01 }, { x = 3.9 }]\n[expect]\n\"all-9/BP1\".p = { value = 1, tolerance = 1 }";
+    let summary = study(&format!("{CIRCLE}{more}")).unwrap();
+    let names: Vec<&str> = summary.tasks.iter().map(|task| task.name.as_str()).collect();
+    assert_eq!(names, ["all-1", "all-2"]);
+    assert!(summary.expect.len() == 1 && !summary.success(), "{:?}", summary.expect);
+}
+
+/// Cycles are drawn over the same logarithm as the equilibria that they come from.
+#[test]
+fn logarithmic_diagrams_show_their_cycles() {
+    let text = r#"
+[model]
+equations = """
+x' = (mu - 1)*x - y - x*(x^2 + y^2)
+y' = x + (mu - 1)*y - y*(x^2 + y^2)
+"""
+[model.parameters]
+mu = 0.1
+[[task]]
+name = "all"
+kind = "diagram"
+free = "mu"
+range = [0.1, 10]
+log = true
+intervals = 4
+observables = ["x"]
+"#;
+    let folder = tempfile::tempdir().unwrap();
+    let summary = study_in(text, folder.path(), false).unwrap();
+    let cycles = summary.branches.iter().find(|branch| branch.kind == BranchKind::Cycles).unwrap();
+    assert!(cycles.columns.contains(&"log10 mu".to_owned()), "{:?}", cycles.columns);
+    let out = folder.path().join("study");
+    let table = read_branch(&out.join(&cycles.file), &cycles.name, cycles.kind, &cycles.free).unwrap();
+    let (mu, log) = (table.column("mu").unwrap(), table.column("log10 mu").unwrap());
+    for row in &table.rows {
+        assert_eq!(row.values[log], row.values[mu].map(f64::log10));
+    }
+    let svg = std::fs::read(out.join("figures/all.svg")).unwrap();
+    assert_eq!(redraw(&out).unwrap(), ["all"]);
+    assert!(svg == std::fs::read(out.join("figures/all.svg")).unwrap());
+}
+
 #[test]
 fn boxes_end_branches() {
     let summary = study(&format!("{COUPLED}box = {{ x = [-1, 1] }}")).unwrap();
@@ -180,7 +226,8 @@ fn wrong_diagrams_are_refused() {
         ("depth = -1", "whole numbers from 0"),
         ("cycles = 3", "true or false"),
         ("from = \"all-1/BP1\"", "unknown key of a diagram task"),
-        ("[expect]\n\"all-2/GH1\".p = { value = 1, tolerance = 1 }", "it finds HB, LP, BP, UZ and EP"),
+        ("[expect]\n\"all-2/GH1\".p = { value = 1, tolerance = 1 }", "it finds HB, LP, BP, KC, XP, UZ and EP"),
+        ("[expect]\nall.ends = \"closed\"", "is a diagram: each of its branches ends in its own way"),
         ("[expect]\n\"all/BP1\".p = { value = 1, tolerance = 1 }", "is a diagram of several branches"),
         (
             "[[task]]\nname = \"all-2\"\nkind = \"equilibria\"\nfree = \"p\"\nrange = [0, 1]",

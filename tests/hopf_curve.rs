@@ -275,6 +275,87 @@ fn matches(summary: &Summary, label: &str, p: f64, omega: f64) {
     close(number(summary, label, "omega") / omega, 1.0, 1e-9);
 }
 
+/// The panel flutters without tension at lambda = 343: where the tension passes zero, its relative error says nothing.
+#[test]
+fn a_parameter_may_pass_zero() {
+    let text = r#"
+[model]
+name = "panel"
+functions = 8
+[parameters]
+R = 0.02
+g = 1
+[[task]]
+name = "flat"
+kind = "equilibria"
+free = "lambda"
+range = [340, 350]
+detect = ["HB"]
+[[task]]
+name = "onset"
+kind = "hopf-curve"
+from = "flat/HB1"
+free = ["R", "lambda"]
+range = { R = [-1, 1], lambda = [330, 360] }
+"#;
+    let summary = study("panel", Some(text), &[]);
+    assert_eq!(summary.tasks[1].reason, "end of the range");
+    let ends = ["onset/EP1", "onset/EP2"].map(|label| number(&summary, label, "R"));
+    assert!(ends[0] * ends[1] < 0.0, "{ends:?}");
+}
+
+/// Hopf points at a = b², folds at c² = 4 b³/9.
+#[test]
+fn a_curve_may_start_at_a_wanted_value() {
+    let text = r#"
+[model]
+equations = """
+x' = (a - b^2)*x - y - x*(x^2 + y^2)
+y' = x + (a - b^2)*y - y*(x^2 + y^2)
+z' = c + b*z - z^3/3
+"""
+[model.parameters]
+a = 0
+b = 1
+c = 5
+[model.start]
+z = 3
+[[task]]
+name = "rest"
+kind = "equilibria"
+free = "a"
+range = [0, 2]
+detect = ["HB"]
+[[task]]
+name = "onset"
+kind = "hopf-curve"
+from = "rest/HB1"
+free = ["a", "b"]
+range = { b = [0.5, 2] }
+values = { b = [0.7, 1, 1.5] }
+[[task]]
+name = "shifted"
+kind = "equilibria"
+free = "c"
+range = [-5, 5]
+start = 5
+detect = ["LP"]
+[[task]]
+name = "folds"
+kind = "fold-curve"
+from = "shifted/LP1"
+free = ["c", "b"]
+range = { b = [0.5, 2] }
+values = { b = [0.7, 1, 1.5] }
+"#;
+    let summary = study("wanted", Some(text), &[]);
+    for task in ["onset", "folds"] {
+        let wanted = ["UZ1", "UZ2", "UZ3"].map(|label| number(&summary, &format!("{task}/{label}"), "b"));
+        assert_eq!(wanted, [0.7, 1.0, 1.5], "{task}");
+    }
+    close(number(&summary, "onset/UZ2", "a"), 1.0, 1e-12);
+}
+
 #[test]
 fn the_curve_in_the_length_meets_the_table_with_both_conventions() {
     let fixed = study("onset-L", None, &[]);

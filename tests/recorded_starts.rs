@@ -28,7 +28,7 @@ free = "mu"
 range = [0.25, 2.25]
 multipliers = 1
 tolerance = 1e-7
-values = { mu = [0.49, 1.69] }
+values = { mu = [0.49, 1, 1.69] }
 observables = ["mean x", "norm x", "norm"]
 "#;
 
@@ -57,7 +57,8 @@ fn a_branch_goes_both_ways_from_the_last_turn() {
     assert!(summary.success(), "{}", summary.table(""));
     let ends: Vec<f64> = summary.points.iter().filter(|p| p.label.contains("EP")).map(|p| p.parameters["mu"]).collect();
     assert_eq!(ends, [0.25, 2.25]);
-    for (label, mu) in [("cycles/UZ1", 0.49_f64), ("cycles/UZ2", 1.69)] {
+    assert_eq!(summary.points.len(), 5, "the start is found once");
+    for (label, mu) in [("cycles/UZ1", 1.0_f64), ("cycles/UZ2", 0.49), ("cycles/UZ3", 1.69)] {
         let point = summary.points.iter().find(|point| point.label == label).expect("a point");
         close("mu", point.parameters["mu"], mu, 1e-14);
         close("period", point.values["period"], TAU / 2.0, 1e-9);
@@ -67,6 +68,21 @@ fn a_branch_goes_both_ways_from_the_last_turn() {
         // exp(-2 mu T).
         near("multiplier", point.values["mu_1_re"], (-2.0 * mu * TAU / 2.0).exp(), 1e-8);
     }
+}
+
+/// What a file held before is no state to go on from.
+#[test]
+fn other_samples_are_another_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = Scene::parse(SCENE, &folder.path().join("circle.toml"), &[]).expect("a scene");
+    let mut options = RunOptions { out: folder.path().join("out"), only: Vec::new(), resume: false, quiet: true };
+    let mut start = |samples: &str, resume: bool| {
+        fs::write(folder.path().join("samples.csv"), samples).expect("a file");
+        options.resume = resume;
+        run(&scene, &options).expect("a run").success()
+    };
+    assert!(start(&spiral(900), false) && start(&spiral(900), true));
+    assert!(!start("t,x,y\n0,1,0\n", true));
 }
 
 #[test]

@@ -79,7 +79,7 @@ fn assert_succeeds(results: &Results) {
 /// are those of rounding or alike.
 fn assert_on_page(results: &Results) {
     let page = fs::read_to_string(problems().join("README.md")).unwrap();
-    let section = run::section(&results.scene, &results.summary).unwrap();
+    let section = run::section(&results.scene, &results.summary, Path::new("../output/gallery")).unwrap();
     let stale = "problems/README.md is stale: run `hopfline run problems/*.toml && hopfline gallery problems`";
     let head = format!("\n## {}\n", results.name);
     let start = page.find(&head).unwrap_or_else(|| panic!("{stale}; it has no {}", results.name));

@@ -21,6 +21,61 @@ fn ran(sets: &[&str], out: &Path, only: &[&str]) -> Summary {
     run(&Scene::load(&path, &sets).expect("a scene"), &options).expect("a run")
 }
 
+/// The end of a motion and the cycle that it settled on share a row; they keep it when the figure is drawn again.
+#[test]
+fn figures_of_motions_are_drawn_again_as_they_were() {
+    let text = r#"
+[model]
+equations = """
+x' = x - y - x*(x^2 + y^2)
+y' = x + y - y*(x^2 + y^2)
+"""
+[model.parameters]
+mu = 1
+[model.start]
+x = 0.5
+[[task]]
+name = "motion"
+kind = "simulate"
+time = [0, 60]
+amplitude = 0.01
+[[figure]]
+name = "motion"
+x = "t"
+y = "x"
+tasks = ["motion"]
+"#;
+    let out = tempfile::tempdir().unwrap();
+    let scene = |text: &str| Scene::parse(text, Path::new("scene.toml"), &[]);
+    let options = RunOptions { out: out.path().to_owned(), only: Vec::new(), resume: false, quiet: true };
+    let summary = run(&scene(text).unwrap(), &options).unwrap();
+    let labels: Vec<(&str, usize)> = summary.points.iter().map(|point| (point.label.as_str(), point.row)).collect();
+    assert_eq!(labels, [("motion/EP1", 1000), ("motion/LC1", 1000)]);
+    let figure = out.path().join("scene/figures/motion.svg");
+    let first = std::fs::read(&figure).unwrap();
+    hopfline::run::redraw(&out.path().join("scene")).unwrap();
+    assert!(first == std::fs::read(&figure).unwrap());
+    for (kind, wanted) in [
+        ("kind = \"surface\"\ntasks = [\"motion\"]", "is no surface"),
+        ("kind = \"waveform\"\npoint = \"motion/LC1\"", "waveforms are drawn of points of equilibria"),
+    ] {
+        let text = format!("{text}[[figure]]\nname = \"other\"\n{kind}\n");
+        let refused = run(&scene(&text).unwrap(), &options).unwrap_err().to_string();
+        assert!(refused.contains(wanted), "{refused}");
+    }
+}
+
+/// The only eigenvalue is as large as the matrix: it must not be the shift.
+#[test]
+fn one_unknown_has_an_eigenmode() {
+    let text = "[model]\nequations = \"x' = mu*x - x^3\"\n[model.parameters]\nmu = 1\n[[task]]\nname = \"motion\"\n\
+                kind = \"simulate\"\ntime = [0, 20]\namplitude = 0.01\nobservables = [\"x\"]\n";
+    let out = tempfile::tempdir().unwrap();
+    let options = RunOptions { out: out.path().to_owned(), only: Vec::new(), resume: false, quiet: true };
+    let summary = run(&Scene::parse(text, Path::new("scene.toml"), &[]).unwrap(), &options).unwrap();
+    close("x", summary.points[0].values["x"].abs(), 1.0, 1e-5);
+}
+
 #[test]
 fn the_scene_meets_its_expectations_and_stores_a_cycle() {
     let out = tempfile::tempdir().unwrap();

@@ -2,7 +2,7 @@
 
 use super::Coordinate;
 use crate::continuation::{Border, Factored, Point, System, inner};
-use crate::linalg::{BorderedMatrix, Eigenpair, Leading, Singular, Structure, dot, leading, pencil};
+use crate::linalg::{BorderedMatrix, Eigenpair, Leading, Singular, Structure, dot, leading, pencil, shifted};
 use crate::problem::{At, Direction, Problem};
 use std::sync::Arc;
 
@@ -51,12 +51,12 @@ impl Equilibria {
     ) -> Result<Leading, Singular> {
         let all = self.all_eigenvalues.unwrap_or(u.len() <= ALL_EIGENVALUES);
         if all || self.problem.structure() == Structure::Dense {
-            let pairs = self.spectrum(u, lambda, shift, vectors)?;
+            let pairs = shifted(shift, |shift| self.spectrum(u, lambda, shift, vectors))?;
             return Ok(Leading { pairs, covered: f64::INFINITY, bound: None });
         }
         let (rest, p) = (vec![0.0; u.len()], self.parameters(lambda));
         let (gu, gv) = self.problem.matrices(At { u, v: &rest, p: &p });
-        leading(&gu, &gv, shift, count).map_err(|_| Singular)
+        shifted(shift, |shift| leading(&gu, &gv, shift, count)).map_err(|_| Singular)
     }
 }
 

@@ -17,6 +17,13 @@ pub struct Array {
     pub data: Vec<f64>,
 }
 
+impl Array {
+    /// With one index.
+    pub fn vector(data: Vec<f64>) -> Self {
+        Self { shape: vec![data.len()], data }
+    }
+}
+
 /// Writes all arrays of a special point, each in its shape.
 pub fn write_point(path: &Path, point: &SpecialPoint) -> Result<(), StoreError> {
     let mut views = Vec::with_capacity(point.arrays.len());

@@ -174,6 +174,12 @@ pub struct Branch {
 }
 
 impl Branch {
+    /// A branch without rows.
+    pub fn new(name: &str, kind: BranchKind, free: Vec<String>, columns: Vec<Column>) -> Self {
+        let (name, rows, points, triangles) = (name.to_owned(), Vec::new(), Vec::new(), Vec::new());
+        Self { name, kind, free, columns, rows, points, triangles }
+    }
+
     /// Index of a column by name.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.columns.iter().position(|c| c.name == name)

@@ -38,15 +38,7 @@ pub fn read_branch(path: &Path, name: &str, kind: BranchKind, free: &[String]) -
     let text = std::fs::read_to_string(path).map_err(|cause| StoreError::Read { path: path.to_owned(), cause })?;
     let (columns, rows) =
         table(&text).map_err(|(line, problem)| StoreError::Table { path: path.to_owned(), line, problem })?;
-    Ok(Branch {
-        name: name.to_owned(),
-        kind,
-        free: free.to_vec(),
-        columns,
-        rows,
-        points: Vec::new(),
-        triangles: Vec::new(),
-    })
+    Ok(Branch { rows, ..Branch::new(name, kind, free.to_vec(), columns) })
 }
 
 fn table(text: &str) -> Result<(Vec<Column>, Vec<Row>), Problem> {

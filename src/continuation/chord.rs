@@ -53,8 +53,8 @@ impl<'a, S: System> Chord<'a, S> {
         Self { system, factors, x, lambda, last: None, size: f64::INFINITY, pairs: Vec::new() }
     }
 
-    /// One step; the distance that is left to the solution: |f| after it as far as f is linear, or what the last step's rate
-    /// leaves of it.
+    /// One step; the distance that is left to the solution: as much of the step's length as of f where f is linear, or as
+    /// the last step left.
     pub fn advance(&mut self, counts: &mut Counts) -> Result<f64, Failure> {
         let n = self.x.len();
         let product = |a: &[f64], b: &[f64]| inner(self.system, (&a[..n], a[n]), (&b[..n], b[n]));
@@ -92,10 +92,11 @@ impl<'a, S: System> Chord<'a, S> {
         }
         add(1.0, &step[..n], &mut self.x);
         self.lambda += step[n];
-        let (left, size) = (product(&left, &left).sqrt(), product(&f, &f).sqrt());
-        let rate = (size / self.size).max(FASTEST);
+        let [left, size, length] = [&left, &f, &step].map(|x| product(x, x).sqrt());
+        let rate = (size / self.size).clamp(FASTEST, 1.0);
         (self.last, self.size) = (Some((step, f)), size);
-        Ok(left.max(rate.min(1.0) * size))
+        // f is the distance as the old matrix sees it, the step as it has become.
+        Ok(if size > 0.0 { rate.max(left / size) * size.max(length) } else { 0.0 })
     }
 }
 

@@ -24,6 +24,14 @@ pub fn growth(sigma: c64) -> f64 {
 /// In parts of the eigenvalue; a few digits above what rounding leaves of real parts.
 const ON_AXIS: f64 = 1e-10;
 
+/// What is computed with a shift; with one beside it where it happens to be an eigenvalue, so that A + shift M is singular.
+pub fn shifted<T, E>(shift: f64, compute: impl Fn(f64) -> Result<T, E>) -> Result<T, E> {
+    compute(shift).or_else(|_| compute(BESIDE * shift))
+}
+
+/// The other shift, in parts of the first.
+const BESIDE: f64 = 1.37;
+
 /// All finite eigenvalues of `A + sigma M`, rightmost first; of a conjugate pair, the one with im > 0 comes first.
 /// Of those with one real part, which rounding would shuffle, the slowest come first. `shift` is real, positive, and of the size of the eigenvalues of interest. Vectors belong to the first `vectors`.
 pub fn pencil(a: MatRef<'_, f64>, m: MatRef<'_, f64>, shift: f64, vectors: usize) -> Result<Vec<Eigenpair>, Singular> {

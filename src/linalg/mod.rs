@@ -16,7 +16,7 @@ mod sparse;
 
 pub use banded::{Banded, BandedLu, LANES};
 pub use bordered::{BorderedMatrix, BorderedPencil};
-pub use eigen::{Eigenpair, growth, pencil};
+pub use eigen::{Eigenpair, growth, pencil, shifted};
 pub use equilibrated::Equilibrated;
 pub use factors::{Factors, PencilFactors};
 pub use krylov::{Leading, leading, nearest};

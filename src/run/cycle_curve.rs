@@ -3,7 +3,7 @@
 
 use super::cycles::{angle, columns as measured, measure};
 use super::equilibria::error;
-use super::locus::{Described, Followed, Following, LocusError, Mark, empty as branch, parameters, special, vector};
+use super::locus::{Described, Followed, Following, LocusError, Mark, empty as branch, parameters, special};
 use super::outcome::Outcome;
 use super::start::coordinates;
 use super::stored_cycle::StoredCycle;
@@ -158,10 +158,10 @@ impl Followed for Cycles<'_> {
         let row = Row { label: None, stable, values };
         let shape = vec![orbit.nodes.len() / orbit.dim, orbit.dim];
         let arrays = BTreeMap::from([
-            ("mesh".to_owned(), vector(orbit.mesh)),
-            ("degree_parts".to_owned(), vector(vec![orbit.degree as f64, orbit.parts as f64])),
-            ("part".to_owned(), vector(vec![orbit.part])),
-            ("parameters".to_owned(), vector(p.clone())),
+            ("mesh".to_owned(), Array::vector(orbit.mesh)),
+            ("degree_parts".to_owned(), Array::vector(vec![orbit.degree as f64, orbit.parts as f64])),
+            ("part".to_owned(), Array::vector(vec![orbit.part])),
+            ("parameters".to_owned(), Array::vector(p.clone())),
             ("state".to_owned(), Array { shape, data: orbit.nodes }),
         ]);
         let columns = empty(self.prepared, "", (self.task, self.kind)).columns;
@@ -225,8 +225,8 @@ impl Cycles<'_> {
         let there = self.numbers(&fine, &fine.orbit(&x), &p, form.as_ref(), fine.cosine(&x));
         let here = self.prepared.problem.resolve(&step.curve.parameters(point));
         let axes = step.curve.axes().map(|axis| axis.index);
-        let of_axis = |k: usize| (held != Some(k)).then(|| error(here[axes[k]], p[axes[k]]));
-        let of_numbers = own.iter().zip(&there).map(|(a, b)| Some(error((*a)?, (*b)?)));
+        let of_axis = |k: usize| error(here[axes[k]], p[axes[k]]).filter(|_| held != Some(k));
+        let of_numbers = own.iter().zip(&there).map(|(a, b)| error((*a)?, (*b)?));
         [of_axis(0), of_axis(1)].into_iter().chain(of_numbers).collect()
     }
 }

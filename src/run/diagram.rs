@@ -60,7 +60,7 @@ pub fn run(prepared: &Prepared, name: &str, task: &scene::Diagram, keeper: &Keep
     explorer.plan(Start::Model, 0, "the model's start".to_owned());
     explorer.explore();
     for (k, guess) in task.states.iter().enumerate() {
-        let (u, free) = equilibria::guessed(prepared, guess, task.equilibria.start.unwrap_or(explorer.first()));
+        let (u, free) = equilibria::guessed(prepared, guess, explorer.begin());
         if let Some(u) = explorer.new_solution(&u, free) {
             explorer.plan(Start::State(u, free), 0, format!("state {}", k + 1));
             explorer.explore();
@@ -80,8 +80,9 @@ pub fn run(prepared: &Prepared, name: &str, task: &scene::Diagram, keeper: &Keep
 }
 
 impl Explorer<'_> {
-    fn first(&self) -> f64 {
-        self.task.equilibria.along.range.from
+    /// The free parameter's value where the first branch starts, and states without one.
+    fn begin(&self) -> f64 {
+        self.task.equilibria.start.unwrap_or(self.task.equilibria.along.range.from)
     }
 
     fn plan(&mut self, start: Start, depth: usize, from: String) {
@@ -137,7 +138,7 @@ impl Explorer<'_> {
     fn ask_for_known_values(&self, task: &mut scene::Equilibria) {
         let range = &task.along.range;
         let free = &self.task.equilibria.along.free;
-        let given = self.task.states.iter().map(|guess| guess.free(free).unwrap_or(self.first()));
+        let given = self.task.states.iter().map(|guess| guess.free(free).unwrap_or(self.begin()));
         let wanted = given.chain(self.task.deflate.iter().copied());
         let list = task.along.values.entry(free.clone()).or_default();
         for value in wanted.filter(|value| range.from < *value && *value < range.to) {

@@ -1,13 +1,13 @@
 //! Figures: from the scene's words to what `plot` draws, now or again from stored data.
 
 use super::bench::Report;
+use super::files::write_figure;
 use super::summary::Summary;
 use super::{RunError, place};
-use crate::branch::{Branch, BranchKind, StoreError, read_arrays, read_branch, read_triangles, write_atomically};
+use crate::branch::{Branch, BranchKind, read_arrays, read_branch, read_triangles};
 use crate::plot::{Spec, SpecKind, draw};
 use crate::scene::{Figure, Scene, SceneError, Task, TaskKind, owner};
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::Path;
 
 /// What only the model and the tasks can tell about a scene's figures.
@@ -31,6 +31,23 @@ pub fn check(scene: &Scene) -> Result<(), SceneError> {
             return Err(scene.refuse(&figure.at, message));
         }
     }
+    for figure in scene.figures.iter().filter(|figure| figure.kind == "surface") {
+        let flat = |task: &&Task| figure.tasks.contains(&task.name) && !matches!(task.kind, TaskKind::HopfSurface(_));
+        if let Some(task) = scene.tasks.iter().find(flat) {
+            let message = format!("{:?} is no surface: only tasks of kind \"hopf-surface\" have one", task.name);
+            return Err(scene.refuse(&figure.at, message));
+        }
+    }
+    for figure in &scene.figures {
+        let task = figure.point.as_ref().and_then(|point| owner(&scene.tasks, point));
+        if let Some(
+            TaskKind::Simulate(_) | TaskKind::FoldCurve(_) | TaskKind::BranchPointCurve(_) | TaskKind::CycleCurve(..),
+        ) = task.map(|task| &task.kind)
+        {
+            let message = "waveforms are drawn of points of equilibria, cycles, hopf-curve and calibration tasks";
+            return Err(scene.refuse(&figure.at, message));
+        }
+    }
     Ok(())
 }
 
@@ -43,7 +60,7 @@ pub fn specs(scene: &Scene, branches: &[Branch], picture_unit: &str) -> Vec<Spec
     };
     let drawn = scene.figures.iter().filter_map(|figure| {
         let figure = Figure { tasks: members(&figure.tasks), ..figure.clone() };
-        spec(&figure, branches, picture_unit)
+        spec(&figure, &scene.tasks, branches, picture_unit)
     });
     // One that no figure shows is drawn by itself: its first observable.
     let alone = scene.tasks.iter().filter(|task| {
@@ -65,27 +82,26 @@ pub fn specs(scene: &Scene, branches: &[Branch], picture_unit: &str) -> Vec<Spec
     drawn.chain(own).collect()
 }
 
-fn spec(figure: &Figure, branches: &[Branch], picture_unit: &str) -> Option<Spec> {
+fn spec(figure: &Figure, tasks: &[Task], branches: &[Branch], picture_unit: &str) -> Option<Spec> {
     let there = |name: &String| branches.iter().any(|b| &b.name == name && !b.rows.is_empty());
-    let tasks: Vec<String> = figure.tasks.iter().filter(|name| there(name)).cloned().collect();
-    let free = || branches.iter().find(|b| tasks.contains(&b.name)).and_then(|b| b.free.first().cloned());
+    let drawn: Vec<String> = figure.tasks.iter().filter(|name| there(name)).cloned().collect();
     let kind = match figure.kind.as_str() {
         "waveform" => {
             let point = figure.point.clone()?;
-            let found = branches.iter().flat_map(|b| &b.points).find(|p| p.label == point)?;
-            found.arrays.get("wave_x")?;
+            let task = owner(tasks, &point)?;
+            branches.iter().find(|branch| owner(tasks, &branch.name).is_some_and(|of| of.name == task.name))?;
             SpecKind::Waveform { point, unit: picture_unit.to_owned() }
         }
-        _ if tasks.is_empty() => return None,
-        "surface" => SpecKind::Surface { tasks, view: figure.view },
-        "eigenvalues" => SpecKind::Eigenvalues { x: figure.x.clone().or_else(free)?, tasks },
+        _ if drawn.is_empty() => return None,
+        "surface" => SpecKind::Surface { tasks: drawn, view: figure.view },
+        "eigenvalues" => SpecKind::Eigenvalues { x: figure.x.clone()?, tasks: drawn },
         "map" => {
-            let map = branches.iter().find(|b| b.kind == BranchKind::Map && tasks.contains(&b.name))?;
+            let map = branches.iter().find(|b| b.kind == BranchKind::Map && drawn.contains(&b.name))?;
             let [x, y] = &map.free[..] else { return None };
             let column = figure.column.clone().unwrap_or_else(|| "frequency".to_owned());
-            SpecKind::Map { x: x.clone(), y: y.clone(), column, tasks }
+            SpecKind::Map { x: x.clone(), y: y.clone(), column, tasks: drawn }
         }
-        _ => SpecKind::Diagram { x: figure.x.clone().or_else(free)?, y: figure.y.clone(), tasks },
+        _ => SpecKind::Diagram { x: figure.x.clone()?, y: figure.y.clone(), tasks: drawn },
     };
     Some(Spec { name: figure.name.clone(), title: figure.title.clone().unwrap_or_default(), kind })
 }
@@ -95,7 +111,7 @@ pub fn redraw(folder: &Path) -> Result<Vec<String>, RunError> {
     if let Some(report) = Report::read(folder)? {
         let figures = report.figures()?;
         for (name, svg) in &figures {
-            write(folder, name, svg)?;
+            write_figure(folder, name, svg)?;
         }
         return Ok(figures.into_iter().map(|(name, _)| name).collect());
     }
@@ -105,12 +121,10 @@ pub fn redraw(folder: &Path) -> Result<Vec<String>, RunError> {
         let mut branch = read_branch(&folder.join(&line.file), &line.name, line.kind, &line.free)?;
         for point in summary.points.iter().filter(|p| p.label.starts_with(&format!("{}/", line.name))) {
             let arrays = read_arrays(&folder.join("points").join(format!("{}.npz", point.label)))?;
-            let short = point.label.rsplit('/').next().map(str::to_owned);
-            let row = branch.rows.iter().position(|row| row.label == short).unwrap_or(0);
             branch.points.push(crate::branch::SpecialPoint {
                 label: point.label.clone(),
                 kind: point.kind,
-                row,
+                row: point.row,
                 parameters: BTreeMap::new(),
                 values: point.values.clone(),
                 errors: BTreeMap::new(),
@@ -125,12 +139,8 @@ pub fn redraw(folder: &Path) -> Result<Vec<String>, RunError> {
     let mut drawn = Vec::new();
     for spec in &summary.figures {
         let svg = draw(spec, &branches)?;
-        write(folder, &spec.name, &svg)?;
+        write_figure(folder, &spec.name, &svg)?;
         drawn.push(spec.name.clone());
     }
     Ok(drawn)
-}
-
-fn write(folder: &Path, name: &str, svg: &str) -> Result<(), StoreError> {
-    write_atomically(&folder.join("figures").join(format!("{name}.svg")), |file| file.write_all(svg.as_bytes()))
 }

@@ -25,7 +25,7 @@ impl Folder {
     }
 
     /// Removes what an earlier run left of these tasks, and its summary.
-    pub fn clear<'a>(&self, tasks: impl Iterator<Item = &'a str>) -> Result<(), StoreError> {
+    pub fn clear<'a>(&self, tasks: impl Iterator<Item = &'a str>) {
         remove(&self.path("summary.json"));
         for task in tasks {
             remove(&self.path("branches").join(format!("{task}.csv")));
@@ -38,7 +38,6 @@ impl Folder {
                     .for_each(|e| remove(&e.path()));
             }
         }
-        Ok(())
     }
 
     /// Removes the branches of a diagram: those of other numbers would be left.
@@ -70,7 +69,7 @@ impl Folder {
     }
 
     pub fn write_figure(&self, name: &str, svg: &str) -> Result<(), StoreError> {
-        write_atomically(&self.path("figures").join(format!("{name}.svg")), |file| file.write_all(svg.as_bytes()))
+        write_figure(&self.root, name, svg)
     }
 
     pub fn write_json(&self, name: &str, content: &impl Serialize) -> Result<(), StoreError> {
@@ -82,6 +81,11 @@ impl Folder {
     pub fn write_log(&self, log: &str) -> Result<(), StoreError> {
         write_atomically(&self.path("run.log"), |file| file.write_all(log.as_bytes()))
     }
+}
+
+/// Writes a figure into the folder of a run.
+pub fn write_figure(root: &Path, name: &str, svg: &str) -> Result<(), StoreError> {
+    write_atomically(&root.join("figures").join(format!("{name}.svg")), |file| file.write_all(svg.as_bytes()))
 }
 
 /// Where the triangles of a task are, in the run's folder.

@@ -69,7 +69,8 @@ impl Followed for Folds<'_> {
         let u = &point.x[..problem.dim()];
         let rest = vec![0.0; u.len()];
         let mut values = parameters(self.prepared, self.task, &p);
-        let observe = |&i: &usize| Some(problem.observe(i, At { u, v: &rest, p: &p }));
+        let observe =
+            |&i: &usize| Some(problem.observe(i, At { u, v: &rest, p: &p })).filter(|value| value.is_finite());
         values.extend(self.prepared.observables.iter().map(observe));
         let row = Row { label: None, stable: None, values };
         let columns = empty(self.prepared, "", self.task).columns;

@@ -8,7 +8,7 @@ use crate::branch::write_atomically;
 use crate::scene::Scene;
 use std::fmt::Write;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// A file to write and what it holds.
 type Figure = (PathBuf, Vec<u8>);
@@ -21,7 +21,10 @@ pub fn gallery(folder: &Path, results: &Path) -> Result<PathBuf, RunError> {
     for path in scenes(folder)? {
         let scene = Scene::load(&path, &[])?;
         let stored = results.join(&scene.name);
-        let summary = Summary::load(&stored)?;
+        let summary = Summary::load(&stored).map_err(|error| {
+            let advice = format!("run the scenes one by one, as `hopfline run {}/*.toml` does", folder.display());
+            RunError::Input(format!("{error}; {advice}"))
+        })?;
         let promised: Vec<String> = scene.expect.iter().map(|e| format!("{}.{}", e.label, e.quantity)).collect();
         let found: Vec<&String> = summary.expect.iter().map(|e| &e.key).collect();
         if !found.iter().copied().eq(&promised) {
@@ -43,7 +46,8 @@ pub fn gallery(folder: &Path, results: &Path) -> Result<PathBuf, RunError> {
             figures.push((results.join("gallery").join(format!("{}.svg", scene.name)), svg));
         }
     }
-    let mut text = page(&entries)?;
+    let pictures = between(folder, results)?.join("gallery");
+    let mut text = page(&entries, &pictures)?;
     let (suite, studies) = (folder.join("extreme"), folder.join("bench"));
     if suite.is_dir() {
         text += &cases(&suite, results)?;
@@ -51,7 +55,7 @@ pub fn gallery(folder: &Path, results: &Path) -> Result<PathBuf, RunError> {
     if studies.is_dir() {
         text += "\n# Work and precision\n\nStudies that `hopfline bench` runs: what an error of a number costs in families of settings.\n";
         for path in scenes(&studies)? {
-            let (section, figure) = study(&path, results)?;
+            let (section, figure) = study(&path, results, &pictures)?;
             text += &section;
             figures.extend(figure);
         }
@@ -84,7 +88,7 @@ fn cases(folder: &Path, results: &Path) -> Result<String, RunError> {
 }
 
 /// A study's section, and its first figure with the place it goes to.
-fn study(path: &Path, results: &Path) -> Result<(String, Option<Figure>), RunError> {
+fn study(path: &Path, results: &Path, pictures: &Path) -> Result<(String, Option<Figure>), RunError> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy();
     let stored = results.join("bench").join(&*name);
     let report = Report::read(&stored)?.ok_or_else(|| {
@@ -93,7 +97,20 @@ fn study(path: &Path, results: &Path) -> Result<(String, Option<Figure>), RunErr
     let file = format!("bench-{name}.svg");
     let figure = report.figures()?.into_iter().next();
     let figure = figure.map(|(_, svg)| (results.join("gallery").join(&file), svg.into_bytes()));
-    Ok((report.section(&format!("../output/gallery/{file}")), figure))
+    let link = figure.as_ref().map(|_| pictures.join(&file));
+    Ok((report.section(link.as_deref()), figure))
+}
+
+/// The way from one folder to another: up to what they share, then down.
+fn between(from: &Path, to: &Path) -> Result<PathBuf, RunError> {
+    let absolute = |path: &Path| {
+        std::path::absolute(path)
+            .map_err(|e| RunError::Input(format!("cannot find the folder {}: {e}", path.display())))
+    };
+    let (from, to) = (absolute(from)?, absolute(to)?);
+    let shared = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
+    let up = from.components().skip(shared).map(|_| Component::ParentDir);
+    Ok(up.chain(to.components().skip(shared)).collect())
 }
 
 /// The scene files of a folder, by name.
@@ -111,7 +128,7 @@ fn scenes(folder: &Path) -> Result<Vec<PathBuf>, RunError> {
 }
 
 /// The page: a table of all scenes, then a section for each.
-fn page(entries: &[(Scene, Summary)]) -> Result<String, RunError> {
+fn page(entries: &[(Scene, Summary)], pictures: &Path) -> Result<String, RunError> {
     let mut out = "# Scenes\n\nWritten by `hopfline gallery problems` from stored results. Times are of one run on one machine, \
                    and change; numbers\nare checked by the tests. Each scene says what it must reproduce: *off by* is the \
                    distance from that in parts of it.\n\n| scene | shows | numbers met | largest distance | seconds |\n\
@@ -128,16 +145,16 @@ fn page(entries: &[(Scene, Summary)]) -> Result<String, RunError> {
         );
     }
     for (scene, summary) in entries {
-        out += &section(scene, summary)?;
+        out += &section(scene, summary, pictures)?;
     }
     Ok(out)
 }
 
-/// One scene's part of the page.
+/// One scene's part of the page; `pictures` is where its figure is.
 ///
 /// # Errors
 /// Where the scene's file cannot be read, or names what its model does not have.
-pub fn section(scene: &Scene, summary: &Summary) -> Result<String, RunError> {
+pub fn section(scene: &Scene, summary: &Summary, pictures: &Path) -> Result<String, RunError> {
     let text = std::fs::read_to_string(&scene.path)
         .map_err(|e| RunError::Input(format!("cannot read {}: {e}", scene.path.display())))?;
     let about: Vec<&str> = text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim).collect();
@@ -151,7 +168,8 @@ pub fn section(scene: &Scene, summary: &Summary) -> Result<String, RunError> {
         scene.tasks.iter().map(|task| format!("{} (`{}`)", task.name, task.kind.name())).collect::<Vec<_>>().join(", ")
     );
     if !summary.figures.is_empty() {
-        let _ = writeln!(out, "![{}](../output/gallery/{}.svg)\n", scene.title, scene.name);
+        let picture = pictures.join(format!("{}.svg", scene.name));
+        let _ = writeln!(out, "![{}]({})\n", scene.title, picture.display());
     }
     out += "| number | found | expected | off by | source |\n|---|---|---|---|---|\n";
     for (promised, expected) in scene.expect.iter().zip(&summary.expect) {

@@ -1,6 +1,7 @@
 //! A task of kind `hopf-surface`: Hopf points in three parameters as triangles, with criticality and errors.
 
-use super::equilibria::error;
+use super::equilibria::{error, frequency};
+use super::hopf_curve::{COARSE, moved};
 use super::outcome::{Outcome, Status};
 use super::start::{StartError, Stored, coordinate};
 use super::study::Prepared;
@@ -35,8 +36,6 @@ enum SurfaceError {
 const LARGEST: f64 = 0.05;
 /// Relative changes of sigma below this, over a whole range, are none.
 const IDLE: f64 = 1e-10;
-/// Estimated relative error of a parameter from which on the discretisation counts as too coarse.
-const COARSE: f64 = 1e-3;
 /// Points whose rows are made at once, between looks at Ctrl-C.
 const BATCH: usize = 64;
 
@@ -73,28 +72,20 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Surface) -> Branch {
     let free: Vec<_> = prepared.others.iter().chain([&prepared.free]).map(|&i| &list[i]).collect();
     let time = prepared.problem.time_unit();
     let per = |unit: &str| if time.is_empty() { unit.to_owned() } else { format!("{unit}/{time}") };
-    let frequency = match time {
-        "s" => "Hz".to_owned(),
-        "" => String::new(),
-        _ => per("1"),
-    };
     let mut columns: Vec<(String, String)> = free.iter().map(|q| (q.name.to_owned(), q.unit.to_owned())).collect();
     columns.extend(task.along.logarithmic.iter().map(|name| (format!("log10 {name}"), String::new())));
-    let own = [("omega", per("rad")), ("frequency", frequency), ("lyapunov", String::new())];
+    let own = [("omega", per("rad")), ("frequency", frequency(time)), ("lyapunov", String::new())];
     columns.extend(own.map(|(name, unit)| (name.to_owned(), unit)));
     if task.along.errors {
         let measured = columns.clone().into_iter().filter(|(name, _)| !name.starts_with("log10 "));
         columns.extend(measured.map(|(name, unit)| (format!("error {name}"), unit)));
     }
-    Branch {
-        name: name.to_owned(),
-        kind: BranchKind::HopfSurface,
-        free: free.iter().map(|q| q.name.to_owned()).collect(),
-        columns: columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
-        rows: Vec::new(),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    }
+    Branch::new(
+        name,
+        BranchKind::HopfSurface,
+        free.iter().map(|q| q.name.to_owned()).collect(),
+        columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
+    )
 }
 
 struct Tool<'a> {
@@ -149,7 +140,7 @@ impl Tool<'_> {
         if let Some(failure) = cover.failures.first() {
             reason += &format!("; {} places were left uncovered ({failure})", cover.failures.len());
         }
-        let coarse = samples.iter().filter(|sample| self.too_coarse(sample)).count();
+        let coarse = samples.iter().filter(|sample| self.too_coarse(&surface, sample)).count();
         if coarse > 0 {
             reason += &format!(
                 "; at {coarse} points the estimated relative error exceeds {COARSE:.0e}: the discretisation does not resolve \
@@ -229,10 +220,10 @@ impl Tool<'_> {
         Sample { p, solved, here, fine }
     }
 
-    fn too_coarse(&self, sample: &Sample) -> bool {
-        let Some(free) = self.free().nth(sample.solved) else { return false };
+    fn too_coarse(&self, surface: &HopfSurface, sample: &Sample) -> bool {
+        let axis = surface.coordinates[sample.solved];
         let both = sample.here.as_ref().zip(sample.fine.as_ref());
-        both.is_some_and(|(here, fine)| (fine.hopf.p[free] / here.hopf.p[free] - 1.0).abs() > COARSE)
+        both.is_some_and(|(here, fine)| moved(axis, here.hopf.p[axis.index], fine.hopf.p[axis.index]) > COARSE)
     }
 
     fn row(&self, branch: &Branch, sample: &Sample) -> Row {
@@ -258,7 +249,7 @@ impl Tool<'_> {
             Some(name) if places.contains_key(name) && Some(name) != solved => None,
             Some(name) => {
                 let (here, fine) = (sample.here.as_ref()?, sample.fine.as_ref()?);
-                Some(error(value(Some(here), name)?, value(Some(fine), name)?))
+                error(value(Some(here), name)?, value(Some(fine), name)?)
             }
             None => value(sample.here.as_ref(), &column.name),
         };

@@ -104,15 +104,32 @@ pub fn empty(
     let mut columns: Vec<(String, String)> = free.iter().map(|q| (q.name.to_owned(), q.unit.to_owned())).collect();
     columns.extend(task.along.logarithmic.iter().map(|name| (format!("log10 {name}"), String::new())));
     columns.extend(own);
-    Branch {
-        name: name.to_owned(),
+    Branch::new(
+        name,
         kind,
-        free: free.iter().map(|q| q.name.to_owned()).collect(),
-        columns: columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
-        rows: Vec::new(),
-        points: Vec::new(),
-        triangles: Vec::new(),
+        free.iter().map(|q| q.name.to_owned()).collect(),
+        columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
+    )
+}
+
+/// Tests for the values that a task wants of its two parameters.
+pub fn wanted<L: Locus>(prepared: &Prepared, along: &scene::Along, curve: &L) -> Vec<(Kind, L::Test)> {
+    let mut tests = Vec::new();
+    for (k, coordinate) in curve.axes().into_iter().enumerate() {
+        let name = prepared.problem.parameters()[coordinate.index].name;
+        let values = along.values.get(name).into_iter().flatten();
+        tests.extend(values.map(|&value| (Kind::UZ, L::taking(k, coordinate.of(value)))));
     }
+    tests
+}
+
+/// What the start of a curve is: a wanted value, or nothing special. Steps look for what they come to, not where they begin.
+pub fn start_mark<L: Locus>(prepared: &Prepared, along: &scene::Along, start: &Segment<L>) -> Mark<L> {
+    let taken = |test: L::Test| start.value(test, &start.from) == 0.0;
+    wanted(prepared, along, &start.curve)
+        .into_iter()
+        .find(|(_, test)| taken(*test))
+        .map(|(kind, test)| (kind, Some(test)))
 }
 
 /// Observables of states as columns.
@@ -153,16 +170,12 @@ pub fn special(
     special
 }
 
-pub fn vector(data: Vec<f64>) -> Array {
-    Array { shape: vec![data.len()], data }
-}
-
 /// State, tangent and parameters of a steady point.
 pub fn steady_arrays(point: &Point, dim: usize, p: &[f64]) -> BTreeMap<String, Array> {
     BTreeMap::from([
-        ("state".to_owned(), vector(point.x[..dim].to_vec())),
-        ("tangent".to_owned(), vector([&point.tangent[..], &[point.tangent_lambda]].concat())),
-        ("parameters".to_owned(), vector(p.to_vec())),
+        ("state".to_owned(), Array::vector(point.x[..dim].to_vec())),
+        ("tangent".to_owned(), Array::vector([&point.tangent[..], &[point.tangent_lambda]].concat())),
+        ("parameters".to_owned(), Array::vector(p.to_vec())),
     ])
 }
 
@@ -212,7 +225,7 @@ impl<F: Followed> Following<'_, F> {
         let mut back = point.clone();
         reverse(&mut back);
         let here = Segment { curve: curve.clone(), from: point.clone(), to: point.clone() };
-        let start = self.sample(&here, &point, None, counts);
+        let start = self.sample(&here, &point, start_mark(self.prepared, &self.task.along, &here), counts);
         let most = self.task.along.max_points.saturating_sub(1).div_ceil(2);
         let down = self.way((curve.clone(), back), &start, most, counts)?;
         let up = if down.reason == Stop::Closed.to_string() || down.status == Status::Interrupted {
@@ -341,11 +354,7 @@ impl<F: Followed> Following<'_, F> {
     ) -> Vec<Sample<F>> {
         let ended = next.mark.and_then(|(_, test)| test);
         let mut tests = self.what.tests(&last.described.memory, &next.described.memory, &segment.curve);
-        for (k, coordinate) in segment.curve.axes().into_iter().enumerate() {
-            let name = self.prepared.problem.parameters()[coordinate.index].name;
-            let wanted = self.task.along.values.get(name).into_iter().flatten();
-            tests.extend(wanted.map(|&value| (Kind::UZ, F::System::taking(k, coordinate.of(value)))));
-        }
+        tests.extend(wanted(self.prepared, &self.task.along, &segment.curve));
         let found = tests.into_iter().filter(|(_, test)| ended != Some(*test)).filter_map(|(kind, test)| {
             // A search that fails leaves a gap in what was found, not in the curve.
             let point = segment.locate(test, counts).ok()??;

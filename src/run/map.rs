@@ -3,7 +3,7 @@
 //! The frequency jumps where another mode takes the lead: between neighbours whose eigenvectors are not alike. Columns
 //! `jump NAME` say so of a point and the next one along each parameter, and `gap` tells by how much a mode leads.
 
-use super::equilibria::{error, rates};
+use super::equilibria::{error, frequency, rates};
 use super::outcome::{Outcome, Status};
 use super::study::Prepared;
 use super::watch::Watch;
@@ -83,11 +83,7 @@ fn empty(prepared: &Prepared, name: &str, task: &scene::Map) -> Branch {
     let free = [prepared.first(), prepared.free].map(|i| &list[i]);
     let time = prepared.problem.time_unit();
     let (rate, turn) = rates(time);
-    let frequency = match time {
-        "" => String::new(),
-        "s" => "Hz".to_owned(),
-        other => format!("1/{other}"),
-    };
+    let frequency = frequency(time);
     let column = |name: &str, unit: &str| Column { name: name.to_owned(), unit: unit.to_owned() };
     let mut columns: Vec<Column> = free.iter().map(|q| column(q.name, q.unit)).collect();
     columns.extend(task.along.logarithmic.iter().map(|name| column(&format!("log10 {name}"), "")));
@@ -97,15 +93,7 @@ fn empty(prepared: &Prepared, name: &str, task: &scene::Map) -> Branch {
     if task.along.errors {
         columns.extend([column("error growth", &rate), column("error frequency", &frequency)]);
     }
-    Branch {
-        name: name.to_owned(),
-        kind: BranchKind::Map,
-        free: free.iter().map(|q| q.name.to_owned()).collect(),
-        columns,
-        rows: Vec::new(),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    }
+    Branch::new(name, BranchKind::Map, free.iter().map(|q| q.name.to_owned()).collect(), columns)
 }
 
 struct Map<'a> {
@@ -226,7 +214,7 @@ impl Map<'_> {
         let fine = line.leading(p).ok();
         *counts += line.counts;
         let (here, fine) = (here.mode.value, fine?.mode.value);
-        Some([error(here.re, fine.re), error(here.im, fine.im)])
+        Some([error(here.re, fine.re)?, error(here.im, fine.im)?])
     }
 
     fn row(&self, branch: &Branch, k: usize, cell: Option<&Cell>) -> Row {

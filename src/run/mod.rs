@@ -45,12 +45,13 @@ pub use watch::INTERRUPTED;
 
 use crate::branch::{Branch, StoreError};
 use crate::plot::PlotError;
-use crate::scene::{Fault, Place, Scene, SceneError, Task, TaskKind, owner};
+use crate::scene::{Fault, Place, Scene, SceneError, Task, TaskKind, is_file, owner};
 use equilibria::Origin;
 use files::Folder;
 use outcome::{Outcome, Status};
 use resume::Keeper;
 use std::collections::BTreeSet;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use study::{Prepared, Study};
@@ -94,7 +95,7 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
     for name in only {
         if !names.contains(&name.as_str()) {
             let fault = Fault::unknown("task", name, names.iter().copied());
-            return Err(RunError::Input(format!("--only: {fault}")));
+            return Err(RunError::Input(format!("{}: --only: {fault}", scene.path.display())));
         }
     }
     // A task brings along those that it starts from; they come before it.
@@ -102,8 +103,7 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
     wanted.extend(only.iter().map(String::as_str));
     for task in scene.tasks.iter().rev() {
         if let (Some((from, _)), true) = (task.kind.from(), wanted.contains(task.name.as_str())) {
-            let source = from.split('/').next().and_then(|name| owner(&scene.tasks, name));
-            wanted.extend(source.map(|task| task.name.as_str()));
+            wanted.extend(owner(&scene.tasks, from).map(|task| task.name.as_str()));
         }
     }
     let mut tasks = Vec::new();
@@ -113,10 +113,12 @@ fn ready<'a>(scene: &'a Scene, only: &[String]) -> Result<Ready<'a>, RunError> {
             match task.kind {
                 // Any state will do.
                 TaskKind::Simulate(_) => {}
-                TaskKind::FoldCurve(_) => start::check_fold(scene, from, at)?,
-                TaskKind::BranchPointCurve(_) => start::check_branch_point(scene, from, at)?,
+                TaskKind::FoldCurve(_) => start::check_point(scene, (from, at), ("LP", "a fold"), "equilibria")?,
+                TaskKind::BranchPointCurve(_) => {
+                    start::check_point(scene, (from, at), ("BP", "a branch point"), "equilibria")?;
+                }
                 TaskKind::Equilibria(_) => start::check_equilibrium(scene, from, at)?,
-                TaskKind::CycleCurve(kind, _) => start::check_cycle(scene, (from, at), kind.point())?,
+                TaskKind::CycleCurve(kind, _) => start::check_point(scene, (from, at), kind.point(), "cycles")?,
                 TaskKind::Cycles(ref cycles) if cycles.relative => start::check_relative(scene, &prepared, from, at)?,
                 TaskKind::Cycles(_) if start::is_cycle(scene, from) => {}
                 _ => start::check(scene, from, at)?,
@@ -144,27 +146,40 @@ pub fn run(scene: &Scene, options: &RunOptions) -> Result<Summary, RunError> {
     let ready = ready(scene, &options.only)?;
     let folder = Folder::open(&options.out, &scene.name)?;
     let watch = Watch::new(options.quiet, scene.budget);
-    // The scene, wherever its file lies and however long it may take.
-    let identity = format!("{:?}", Scene { path: PathBuf::new(), budget: None, ..scene.clone() });
-    let keeper = Keeper::new(folder.path("resume"), identity, options.resume);
+    let keeper = Keeper::new(folder.path("resume"), identity(scene), options.resume);
     if !options.resume {
-        folder.clear(ready.tasks.iter().map(|(task, _)| task.name.as_str()))?;
+        folder.clear(ready.tasks.iter().map(|(task, _)| task.name.as_str()));
         let diagrams = ready.tasks.iter().filter(|(task, _)| matches!(task.kind, TaskKind::Diagram(_)));
         diagrams.for_each(|(task, _)| folder.clear_parts(&task.name));
     }
     let outcomes = ready.compute(&keeper, &watch, &|branch| folder.write_branch(branch))?;
     let branches: Vec<Branch> = outcomes.iter().map(|outcome| outcome.branch.clone()).collect();
-    let specs = figures::specs(scene, &branches, ready.study.picture_unit());
-    for spec in &specs {
-        match crate::plot::draw(spec, &branches) {
-            Ok(svg) => folder.write_figure(&spec.name, &svg)?,
-            Err(error) => watch.say(format!("figure {}: {error}", spec.name)),
+    let mut figures = Vec::new();
+    for spec in figures::specs(scene, &branches, ready.study.picture_unit()) {
+        match crate::plot::draw(&spec, &branches) {
+            Ok(svg) => {
+                folder.write_figure(&spec.name, &svg)?;
+                figures.push(spec);
+            }
+            Err(error) => watch.warn(format!("not drawn: {error}")),
         }
     }
-    let summary = Summary::new(scene, &outcomes, specs, start.elapsed().as_secs_f64());
+    let summary = Summary::new(scene, &outcomes, figures, start.elapsed().as_secs_f64());
     folder.write_json("summary.json", &summary)?;
     folder.write_log(&watch.finish())?;
     Ok(summary)
+}
+
+/// What results depend on: the program, the scene, wherever its file lies and however long it may take, and the files that
+/// it starts from.
+fn identity(scene: &Scene) -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    let written = Scene { path: PathBuf::new(), budget: None, ..scene.clone() };
+    let mut hasher = DefaultHasher::new();
+    for (from, _) in scene.tasks.iter().filter_map(|task| task.kind.from()).filter(|(from, _)| is_file(from)) {
+        std::fs::read(scene.home().join(from)).ok().hash(&mut hasher);
+    }
+    format!("{version} {written:?} {:x}", hasher.finish())
 }
 
 impl Ready<'_> {
@@ -175,7 +190,7 @@ impl Ready<'_> {
         watch: &Watch,
         store: &dyn Fn(&Branch) -> Result<(), StoreError>,
     ) -> Result<Vec<Outcome>, StoreError> {
-        let home = self.scene.path.parent().unwrap_or(Path::new(""));
+        let home = self.scene.home();
         let mut outcomes: Vec<Outcome> = Vec::new();
         for (task, prepared) in &self.tasks {
             watch.task(&task.name);
@@ -226,7 +241,7 @@ fn perform(
             }
             Err(reason) => Outcome::failed(equilibria::empty(&task.name, equilibria), reason),
         },
-        TaskKind::Cycles(cycles) if crate::scene::is_file(&cycles.from) => {
+        TaskKind::Cycles(cycles) if is_file(&cycles.from) => {
             let mesh = (cycles.intervals.unwrap_or(cycles::INTERVALS), cycles.degree);
             match recorded::cycle(&home.join(&cycles.from), &cycles.from, prepared, mesh) {
                 Ok(from) => cycles::run(prepared, &task.name, cycles, &from, keeper, watch),

@@ -197,7 +197,8 @@ pub fn plan(scene: &Scene) -> Result<String, RunError> {
         let estimates = "error estimates on a refined discretisation".to_owned();
         out += &match (along.errors, &task.kind) {
             (false, _) => yes_no(false, estimates, "errors = false"),
-            (true, _) if of_cycles => yes_no(true, estimates, ""),
+            // Cycles always have a degree more in time.
+            (true, TaskKind::CycleCurve(..) | TaskKind::Cycles(_)) => yes_no(true, estimates, ""),
             (true, TaskKind::Simulate(_)) => {
                 yes_no(true, "errors of cycles by a second run with ten times the tolerance".into(), "")
             }

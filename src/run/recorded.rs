@@ -44,7 +44,6 @@ pub fn cycle(
     })?;
     let orbit = turn.orbit(intervals, degree);
     let p = prepared.problem.resolve(&prepared.p);
-    let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
     let nodes = |data: Vec<f64>| Array { shape: vec![data.len() / orbit.dim, orbit.dim], data };
     let mut point = SpecialPoint::new(label.to_owned(), Kind::EP, 0);
     let names = prepared.problem.parameters().iter();
@@ -52,11 +51,11 @@ pub fn cycle(
     point.arrays = [
         ("state", nodes(orbit.nodes.clone())),
         ("tangent", nodes(vec![0.0; orbit.nodes.len()])),
-        ("tangent_part_lambda", vector(vec![0.0, 0.0])),
-        ("mesh", vector(orbit.mesh.clone())),
-        ("degree_parts", vector(vec![degree as f64, 1.0])),
-        ("part", vector(vec![orbit.part])),
-        ("gauss_free", vector(vec![0.0, prepared.free as f64])),
+        ("tangent_part_lambda", Array::vector(vec![0.0, 0.0])),
+        ("mesh", Array::vector(orbit.mesh.clone())),
+        ("degree_parts", Array::vector(vec![degree as f64, 1.0])),
+        ("part", Array::vector(vec![orbit.part])),
+        ("gauss_free", Array::vector(vec![0.0, prepared.free as f64])),
     ]
     .map(|(name, array)| (name.to_owned(), array))
     .into();

@@ -27,6 +27,8 @@ pub struct Checkpoint {
     pub seconds: f64,
     /// How the first of two ways ended, if this is the second.
     pub behind: Option<(Status, String)>,
+    /// The stretch of the free parameter in which bifurcations could not be looked for.
+    pub blind: Option<(f64, f64)>,
     /// Test functions at the last point, and what the last ones say of a homoclinic end.
     pub signs: Option<Signs>,
     pub passages: Vec<Passage>,
@@ -41,7 +43,7 @@ enum State {
 
 #[derive(Serialize, Deserialize)]
 struct Kept {
-    /// The resolved scene: a state is good only for the scene that it came from.
+    /// The program, the resolved scene and the files it names: a state is good only for what it came from.
     scene: String,
     state: State,
 }

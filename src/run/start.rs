@@ -1,4 +1,4 @@
-//! Hopf points that tasks start from: which may be named, and what of them was stored.
+//! Points that tasks start from: which may be named, and what of them was stored.
 
 use super::study::Prepared;
 use crate::bifurcation::Coordinate;
@@ -78,32 +78,18 @@ pub fn coordinates(prepared: &Prepared, along: &Along, p: &[f64]) -> Result<(Coo
     Ok((make(prepared.first(), range)?, make(prepared.free, Some(&along.range))?))
 }
 
-/// Fold curves start at a fold of a branch of equilibria.
-pub fn check_fold(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
-    let label = Label::parse(from);
-    let task = label.and_then(|label| owner(&scene.tasks, label.task));
-    match (label, task.map(|task| &task.kind)) {
-        (Some(Label { kind: "LP", .. }), Some(TaskKind::Equilibria(_) | TaskKind::Diagram(_))) => Ok(()),
-        _ => Err(scene.refuse(
-            at,
-            format!("the start must be a fold, such as \"TASK/LP1\" of a task of kind \"equilibria\", not {from:?}"),
-        )),
+/// Curves start at a point of their kind; that its task finds such points is known of a label.
+pub fn check_point(
+    scene: &Scene,
+    (from, at): (&str, &Place),
+    (kind, what): (&str, &str),
+    of: &str,
+) -> Result<(), SceneError> {
+    if Label::parse(from).is_some_and(|label| label.kind == kind) {
+        return Ok(());
     }
-}
-
-/// Curves of branch points start at one of a branch of equilibria.
-pub fn check_branch_point(scene: &Scene, from: &str, at: &Place) -> Result<(), SceneError> {
-    let label = Label::parse(from);
-    let task = label.and_then(|label| owner(&scene.tasks, label.task));
-    match (label, task.map(|task| &task.kind)) {
-        (Some(Label { kind: "BP", .. }), Some(TaskKind::Equilibria(_) | TaskKind::Diagram(_))) => Ok(()),
-        _ => Err(scene.refuse(
-            at,
-            format!(
-                "the start must be a branch point, such as \"TASK/BP1\" of a task of kind \"equilibria\", not {from:?}"
-            ),
-        )),
-    }
+    let message = format!("the start must be {what}, such as \"TASK/{kind}1\" of a task of kind {of:?}, not {from:?}");
+    Err(scene.refuse(at, message))
 }
 
 /// Branches of equilibria start at any equilibrium.
@@ -158,19 +144,6 @@ pub fn check_relative(scene: &Scene, prepared: &Prepared, from: &str, at: &Place
                 "relative periodic orbits start at \"TASK/NS1\" (a rotating wave), \"TASK/UZ1\" or \"TASK/EP1\" of a \
                  task of kind \"cycles\", not at {from:?}"
             ),
-        )),
-    }
-}
-
-/// Curves of bifurcations of cycles start at such a point of a branch of cycles.
-pub fn check_cycle(scene: &Scene, (from, at): (&str, &Place), (kind, what): (&str, &str)) -> Result<(), SceneError> {
-    let label = Label::parse(from);
-    let task = label.and_then(|label| owner(&scene.tasks, label.task));
-    match (label, task.map(|task| &task.kind)) {
-        (Some(label), Some(TaskKind::Cycles(_))) if label.kind == kind => Ok(()),
-        _ => Err(scene.refuse(
-            at,
-            format!("the start must be {what}, such as \"TASK/{kind}1\" of a task of kind \"cycles\", not {from:?}"),
         )),
     }
 }

@@ -5,6 +5,7 @@ use crate::models::{Options, REGISTRY, find};
 use crate::problem::Default;
 use crate::scene::Fault;
 use std::fmt::Write;
+use std::path::Path;
 
 /// The text of a scene for a model, with its parameters as comments.
 pub fn template(name: &str, model: &str) -> Result<String, RunError> {
@@ -12,7 +13,9 @@ pub fn template(name: &str, model: &str) -> Result<String, RunError> {
         RunError::Input(format!("--model: {}", Fault::unknown("model", model, REGISTRY.iter().map(|m| m.name))))
     })?;
     let problem = (found.build)(&Options::default()).map_err(|e| RunError::Input(e.to_string()))?;
-    let mut out = format!("title = \"{name}\"\n\n[model]\nname = \"{model}\"\n");
+    let title = Path::new(name).file_name().unwrap_or_default().to_string_lossy();
+    let title = toml::Value::from(title.as_ref());
+    let mut out = format!("title = {title}\n\n[model]\nname = \"{model}\"\n");
     for (option, values, meaning) in found.options {
         let _ = writeln!(out, "# {option}: {values}; {meaning}");
     }

@@ -61,6 +61,12 @@ impl Watch {
         }
     }
 
+    /// What whoever waits is to see at once.
+    pub fn warn(&self, line: String) {
+        self.bar.suspend(|| eprintln!("{line}"));
+        self.say(line);
+    }
+
     pub fn finish(&self) -> String {
         self.bar.finish_and_clear();
         self.log.lock().map(|log| log.join("\n") + "\n").unwrap_or_default()

@@ -1,20 +1,36 @@
 //! A scene's model as text: from the words of the scene to the model, and from the model's errors to their places.
 
-use super::{branch_curve, equilibria, fold_curve, hopf_curve};
+use super::{branch_curve, cycles, equilibria, fold_curve, hopf_curve, simulate};
 use crate::models::text::{self, Part, Text, TextError, Written, WrittenDefault, WrittenObservable, WrittenParameter};
 use crate::scene::{Fault, ModelText, Place, Scene, SceneError, TextValue, Words};
 use std::sync::Arc;
 
-/// Columns of results, which no parameter or observable may be called.
-const COLUMNS: [&str; 8] = ["omega", "frequency", "lyapunov", "growth", "period", "trivial_error", "gap", "stable"];
+/// Columns of results that are in no list of numbers of special points.
+const COLUMNS: [&str; 5] = ["trivial_error", "gap", "stable", "norm", "chi2"];
 
-/// All names that results have and models must not.
+/// Names of results that parameters and observables must not have.
+fn columns() -> Vec<&'static str> {
+    let lists = [
+        &COLUMNS[..],
+        &equilibria::VALUES,
+        &hopf_curve::VALUES,
+        &fold_curve::VALUES,
+        &branch_curve::VALUES,
+        &simulate::VALUES,
+    ];
+    lists.concat()
+}
+
+/// These and what only parameters could be mistaken for: of observables cycles have extremes and means.
 pub fn reserved() -> Vec<&'static str> {
-    let lists = [&COLUMNS[..], &equilibria::VALUES, &hopf_curve::VALUES, &fold_curve::VALUES, &branch_curve::VALUES];
-    lists.into_iter().flatten().copied().collect()
+    [&columns()[..], &cycles::VALUES].concat()
 }
 
 pub fn build(scene: &Scene, model: &ModelText) -> Result<Arc<Text>, SceneError> {
+    if let Some(parameter) = model.parameters.iter().find(|known| cycles::VALUES.contains(&known.name.as_str())) {
+        let message = format!("{:?} is the name of a number of the results; choose another name", parameter.name);
+        return Err(scene.refuse(&parameter.at, message));
+    }
     let written = Written {
         equations: model.equations.text.clone(),
         constants: model.constants.iter().map(|(name, value, _)| (name.clone(), *value)).collect(),
@@ -44,7 +60,7 @@ pub fn build(scene: &Scene, model: &ModelText) -> Result<Arc<Text>, SceneError> 
         symmetry: model.symmetry.as_ref().map(|words| words.text.clone()),
         rotations: model.rotations.iter().map(|words| words.text.clone()).collect(),
         time_unit: model.time_unit.clone(),
-        reserved: reserved().into_iter().map(str::to_owned).collect(),
+        reserved: columns().into_iter().map(str::to_owned).collect(),
     };
     text::build(&written).map_err(|error| refuse(scene, model, error))
 }

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 use super::Place;
+use super::label::POINT_KINDS;
 use super::units::UnitError;
 use crate::expression::{ExpressionError, suggest};
 
@@ -84,7 +85,8 @@ pub enum Fault {
     #[error("{name:?} cannot be a name; use letters (a-z, A-Z), digits, \"-\" and \"_\"")]
     Name { name: String },
     #[error(
-        "{found:?} is not a label; write TASK/KINDn, for example {example:?}, with KIND one of HB, LP, BP, KC, XP, UZ, EP, GH, BT, ZH, HH and n counting from 1"
+        "{found:?} is not a label; write TASK/KINDn, for example {example:?}, with KIND one of {} and n counting from 1",
+        POINT_KINDS.join(", ")
     )]
     Label { found: String, example: String },
     #[error("the task {name:?} comes later{}; put it before this one", line(at))]

@@ -2,7 +2,7 @@
 
 use super::entry::Section;
 use super::label::{self, Announced};
-use super::{Expectation, SceneError, Task};
+use super::{Expectation, Fault, SceneError, Task, TaskKind};
 use std::collections::BTreeMap;
 
 /// `beat.ends = "no step of at least"`: how tasks are expected to end, by their names.
@@ -10,7 +10,13 @@ pub(super) fn ends(root: &Section<'_>, tasks: &[Task]) -> Result<BTreeMap<String
     let mut ends = BTreeMap::new();
     let Some(entry) = root.get("expect") else { return Ok(ends) };
     for (name, entry) in entry.section("a section, [expect]")?.entries() {
-        if tasks.iter().any(|task| task.name == name) {
+        if let Some(task) = tasks.iter().find(|task| task.name == name) {
+            if let TaskKind::Diagram(_) = task.kind {
+                let message = format!(
+                    "{name:?} is a diagram: each of its branches ends in its own way, and none is to be expected"
+                );
+                return Err(entry.error(Fault::Other(message)));
+            }
             let section = entry.section("a table, TASK.ends = \"part of the reason\"")?;
             section.allow("key", &["ends"])?;
             let reason = section.need("ends", "ends = \"part of the reason\"")?.text()?;

@@ -5,7 +5,7 @@ use super::label::{self, Announced};
 use super::{Fault, Figure, SceneError, Task, map};
 
 /// Kinds of figures, as a scene names them.
-pub const FIGURE_KINDS: [&str; 5] = ["diagram", "eigenvalues", "waveform", "map", "surface"];
+const FIGURE_KINDS: [&str; 5] = ["diagram", "eigenvalues", "waveform", "map", "surface"];
 
 const DIAGRAM: [&str; 6] = ["name", "kind", "title", "x", "y", "tasks"];
 const EIGENVALUES: [&str; 5] = ["name", "kind", "title", "x", "tasks"];

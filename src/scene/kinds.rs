@@ -100,9 +100,11 @@ pub struct Along {
     pub others: Vec<Axis>,
     /// Those of them all that are followed by their logarithms.
     pub logarithmic: Vec<String>,
-    /// Points wanted exactly: column or parameter, values. Labelled UZ1, UZ2, ... along the branch.
+    /// Points wanted exactly: column or parameter, values. Labelled UZ1, UZ2, ... along the branch; of cycles that are followed
+    /// both ways, first on the way to smaller values of the parameter.
     pub values: BTreeMap<String, Vec<f64>>,
-    /// Largest step in the free parameter, in decades where it is logarithmic; default: a fiftieth of the range.
+    /// Largest step in the free parameter, in decades where it is logarithmic; default: a fiftieth of the range,
+    /// of cycles a twentieth of it, or of what lies between their Hopf point and its end.
     pub max_step: Option<f64>,
     /// Most points of the branch. Default 1000.
     pub max_points: usize,

@@ -3,7 +3,7 @@
 use super::{Fault, Task, TaskKind};
 
 /// Kinds of points that a scene can refer to.
-pub const POINT_KINDS: [&str; 31] = [
+pub(super) const POINT_KINDS: [&str; 31] = [
     "HB", "LP", "BP", "KC", "XP", "UZ", "EP", "LC", "EV", "GH", "BT", "ZH", "HH", "CP", "LPC", "PD", "NS", "BPC",
     "CPC", "GPD", "CH", "R1", "R2", "R3", "R4", "LPPD", "LPNS", "PDNS", "GBPC", "LPBP", "BPNS",
 ];
@@ -43,8 +43,10 @@ pub(super) struct Announced {
     pub line: Option<usize>,
 }
 
-/// The task that a branch belongs to: its own, or the diagram that found it, whose branches are named "all-1", "all-2", ...
-pub fn owner<'a>(tasks: &'a [Task], branch: &str) -> Option<&'a Task> {
+/// The task that a branch, or a point of it, belongs to: its own, or the diagram that found it, whose branches are named
+/// "all-1", "all-2", ...
+pub fn owner<'a>(tasks: &'a [Task], name: &str) -> Option<&'a Task> {
+    let branch = name.split('/').next()?;
     tasks
         .iter()
         .find(|task| task.name == branch && !matches!(task.kind, TaskKind::Diagram(_)))
@@ -100,14 +102,15 @@ fn obstacle(task: &Task, kind: &str) -> Option<String> {
         (_, TaskKind::Simulate(_)) => Some(
             " (a simulation leaves EP1, LC1 where it settles on a cycle, and EV1, EV2, ... at its events)".to_owned(),
         ),
-        ("HB" | "LP" | "BP" | "UZ", TaskKind::Diagram(_)) => None,
-        (_, TaskKind::Diagram(_)) => Some(" (it finds HB, LP, BP, UZ and EP)".to_owned()),
+        ("HB" | "LP" | "BP" | "KC" | "XP" | "UZ", TaskKind::Diagram(_)) => None,
+        (_, TaskKind::Diagram(_)) => Some(" (it finds HB, LP, BP, KC, XP, UZ and EP)".to_owned()),
         ("UZ", _) if along.values.is_empty() => Some(format!("; give it values = {{ {} = [...] }}", along.free)),
         ("UZ", _) => None,
         ("KC" | "XP", TaskKind::Equilibria(task)) => {
             let looks = task.spectrum > 0 || task.detect.iter().any(|known| known == "HB");
             (!looks).then(|| "; give it spectrum = 4".to_owned())
         }
+        ("EV", _) => Some(" (events of motions: kind = \"simulate\")".to_owned()),
         ("LC", _) => Some(" (cycles that a simulation settles on: kind = \"simulate\")".to_owned()),
         ("LPC" | "PD" | "NS" | "BPC", TaskKind::Equilibria(_)) => {
             Some(" (these are points of cycles: kind = \"cycles\")".to_owned())

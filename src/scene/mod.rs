@@ -27,16 +27,15 @@ pub use crate::expression::Expression;
 pub use bench::{Bench, Family, Quantity, Reference, Variant};
 pub use calibration::QUANTITIES;
 pub use error::{EntryError, Fault, SceneError};
-pub use figure::FIGURE_KINDS;
 pub use kinds::{
     Along, Axis, Calibration, Curve, CycleKind, Cycles, Diagram, Equilibria, Guess, Happening, Map, Range, Simulate,
     Start, Surface, Task, TaskKind, Wanted,
 };
-pub use label::{Label, POINT_KINDS, owner};
-pub use task::{TASK_KINDS, is_file};
+pub use label::{Label, owner};
+pub use task::is_file;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Where an entry stands: its dotted key ("task.beat.range") and its line in the file (1-based; None for `--set`).
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -73,6 +72,11 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The scene's folder, in which it may name files.
+    pub fn home(&self) -> &Path {
+        self.path.parent().unwrap_or(Path::new(""))
+    }
+
     /// An error about an entry, for what only the caller can check: `scene.refuse(&setting.at, "...")`.
     pub fn refuse(&self, at: &Place, message: impl Into<String>) -> SceneError {
         self.fault(at, Fault::Other(message.into()))
@@ -80,11 +84,7 @@ impl Scene {
 
     /// The same with one of the faults of this module, for instance `Fault::unknown("parameter", name, known)`.
     pub fn fault(&self, at: &Place, fault: Fault) -> SceneError {
-        let argument = match at.line {
-            Some(_) => None,
-            None => overrides::behind(&self.sets, &at.key),
-        };
-        SceneError::Entry(Box::new(EntryError { path: self.path.clone(), at: at.clone(), argument, fault }))
+        entry::Source { path: &self.path, sets: &self.sets }.error(at.clone(), fault)
     }
 }
 

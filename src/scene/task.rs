@@ -9,7 +9,7 @@ use super::{
 };
 
 /// Kinds of tasks, as a scene names them.
-pub const TASK_KINDS: [&str; 14] = [
+const TASK_KINDS: [&str; 14] = [
     "equilibria",
     "diagram",
     "cycles",
@@ -32,6 +32,8 @@ const EQUILIBRIA: [&str; 7] = ["log", "from", "start", "state", "spectrum", "all
 const CYCLES: [&str; 9] =
     ["from", "intervals", "tolerance", "degree", "points", "multipliers", "symmetry", "detect", "relative"];
 const CURVE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "values", "max_points", "errors"];
+/// Folds and branch points are compared with no finer discretisation.
+const STEADY_CURVE: [&str; 8] = ["name", "kind", "from", "free", "range", "log", "values", "max_points"];
 const CALIBRATION: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "targets", "starts", "errors"];
 const MAP: [&str; 7] = ["name", "kind", "free", "range", "log", "grid", "errors"];
 const HOPF_SURFACE: [&str; 9] = ["name", "kind", "from", "free", "range", "log", "tolerance", "max_points", "errors"];
@@ -79,11 +81,11 @@ pub(super) fn read(
             )?)
         }
         "fold-curve" => {
-            section.allow("key of a fold-curve task", &CURVE)?;
+            section.allow("key of a fold-curve task", &STEADY_CURVE)?;
             TaskKind::FoldCurve(several::curve(section, read, announced, "from = \"TASK/LP1\", a fold of the curve")?)
         }
         "branch-point-curve" => {
-            section.allow("key of a branch-point-curve task", &CURVE)?;
+            section.allow("key of a branch-point-curve task", &STEADY_CURVE)?;
             let example = "from = \"TASK/BP1\", a branch point of the curve";
             TaskKind::BranchPointCurve(several::curve(section, read, announced, example)?)
         }

@@ -74,6 +74,18 @@ fn a_new_scene_passes_and_runs() {
 }
 
 #[test]
+fn a_new_scene_has_a_title_of_any_name() {
+    let desk = Desk::new();
+    fs::create_dir(desk.path("sub")).unwrap();
+    for (name, title) in [("say \"x\"", "title = 'say \"x\"'"), ("sub/study", "title = \"study\"")] {
+        desk.succeed(&["new", name, "--model", "lorenz-84"]);
+        let text = fs::read_to_string(desk.path(&format!("{name}.toml"))).unwrap();
+        assert!(text.starts_with(title), "{text}");
+        desk.succeed(&["check", &format!("{name}.toml"), "--set", "task.straight.range=[0, 1]"]);
+    }
+}
+
+#[test]
 fn completions_are_a_script() {
     let script = Desk::new().succeed(&["completions", "bash"]);
     assert!(script.contains("complete -F _hopfline"), "{script}");
@@ -149,7 +161,8 @@ fn the_gallery_shows_what_was_run() {
     desk.write("scenes/pitch.toml", scene);
     let refused = desk.hopfline(&["gallery", "scenes"]);
     assert_eq!(refused.code, Some(2));
-    assert!(refused.stderr.contains("summary.json"), "{}", refused.stderr);
+    let advice = "hopfline run scenes/*.toml";
+    assert!(refused.stderr.contains("summary.json") && refused.stderr.contains(advice), "{}", refused.stderr);
     desk.succeed(&["run", "scenes/pitch.toml", "--quiet"]);
     assert!(desk.succeed(&["gallery", "scenes"]).contains("README.md"));
     let page = fs::read_to_string(desk.path("scenes/README.md")).unwrap();
@@ -159,6 +172,11 @@ fn the_gallery_shows_what_was_run() {
         assert!(page.contains(words), "no {words:?} in {page}");
     }
     assert!(desk.files("output/gallery").contains(&"pitch.svg".to_owned()));
+    assert!(page.contains("(../output/gallery/pitch.svg)"), "{page}");
+    desk.succeed(&["run", "scenes/pitch.toml", "--quiet", "--out", "kept/results"]);
+    desk.succeed(&["gallery", "scenes", "--out", "kept/results"]);
+    let page = fs::read_to_string(desk.path("scenes/README.md")).unwrap();
+    assert!(page.contains("(../kept/results/gallery/pitch.svg)"), "{page}");
     // Results of a scene that expects something else do not count.
     desk.write("scenes/pitch.toml", &scene.replace("\"rest/BP1\".m", "\"rest/EP1\".m"));
     let refused = desk.hopfline(&["gallery", "scenes"]);

@@ -126,7 +126,7 @@ fn files_must_be_scenes() {
 #[test]
 fn arguments_must_be_known() {
     let desk = Desk::with_small(&[]);
-    refused(&desk, &["small.toml", "--only", "beet"], &["--only", "did you mean \"beat\""]);
+    refused(&desk, &["small.toml", "--only", "beet"], &["small.toml: --only", "did you mean \"beat\""]);
     refused(&desk, &["small.toml", "--set", "parameters.LL=14"], &["--set parameters.LL=14", "unknown parameter"]);
     refused(&desk, &["small.toml", "--set", "parameters.L"], &["--set parameters.L", "KEY=VALUE"]);
     refused(&desk, &["small.toml", "--set", "parameters.L=-1"], &["--set parameters.L=-1", "> 0"]);
@@ -144,6 +144,34 @@ fn arguments_must_be_known() {
     let finished = desk.hopfline(&["plot", "nowhere"]);
     assert!(finished.code == Some(2) && finished.stderr.contains("nowhere"), "{}", finished.stderr);
     assert_eq!(desk.files(""), ["small.toml"]);
+}
+
+#[test]
+fn scenes_must_not_share_a_folder_of_results() {
+    let desk = Desk::with_small(&[]);
+    for folder in ["a", "b"] {
+        fs::create_dir(desk.path(folder)).unwrap();
+        fs::copy(desk.path("small.toml"), desk.path(&format!("{folder}/small.toml"))).unwrap();
+    }
+    let finished = desk.hopfline(&["run", "a/small.toml", "b/small.toml", "--quiet"]);
+    assert!(finished.code == Some(2) && finished.stderr.contains("would both write"), "{}", finished.stderr);
+    assert!(!desk.path("output").exists());
+}
+
+/// What results are called would hide parameters of that name, or be hidden by them; curves of folds have no errors.
+#[test]
+fn names_of_results_are_taken() {
+    let desk = Desk::new();
+    let scene = "[model]\nequations = \"x' = PARAMETER*x - x^3\"\n[model.parameters]\nPARAMETER = 1\n[[task]]\nname = \"rest\"\n\
+        kind = \"equilibria\"\nfree = \"PARAMETER\"\nrange = [-1, 1]\n";
+    for name in ["theta", "rate", "snic", "rotation", "event", "chi2", "norm"] {
+        desk.write("named.toml", &scene.replace("PARAMETER", name));
+        refused(&desk, &["named.toml"], &["named.toml:4", name, "choose another name"]);
+    }
+    let curve = "detect = [\"LP\"]\n[[task]]\nname = \"folds\"\nkind = \"fold-curve\"\nfrom = \"rest/LP1\"\nfree = [\"m\", \"n\"]\n\
+        range = { n = [0, 1] }\nerrors = true\n";
+    desk.write("curve.toml", &(scene.replace("PARAMETER", "m") + curve));
+    refused(&desk, &["curve.toml"], &["curve.toml", "unknown key of a fold-curve task \"errors\""]);
 }
 
 #[test]

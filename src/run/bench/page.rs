@@ -3,14 +3,17 @@
 use super::report::Report;
 use super::table::{conclusion, significant, words};
 use std::fmt::Write;
+use std::path::Path;
 
 impl Report {
     /// In Markdown, with a figure that lies at `figure`: what each error costs in each family, orders, how many printed
     /// errors hold.
-    pub fn section(&self, figure: &str) -> String {
+    pub fn section(&self, figure: Option<&Path>) -> String {
         let machine = &self.machine;
         let mut out = format!("\n### {0}\n\n**{1}** ([`{0}.toml`](bench/{0}.toml))\n\n", self.bench, self.title);
-        let _ = writeln!(out, "![{}]({figure})\n", self.title);
+        if let Some(figure) = figure {
+            let _ = writeln!(out, "![{}]({})\n", self.title, figure.display());
+        }
         for quantity in &self.quantities {
             let value =
                 quantity.value.map_or("unknown".to_owned(), |value| format!("{value} ± {:.0e}", quantity.error));

@@ -127,7 +127,7 @@ impl Tool<'_> {
             let mut point = SpecialPoint { row, ..point? };
             let (short, label) = labels(&branch, Kind::UZ);
             point.label = label;
-            if self.prepared.waves.contains(&short) {
+            if self.prepared.waves.contains(&point.label) {
                 super::wave::of_mode(self.prepared, &mut point);
             }
             branch.rows.push(report::row(&branch, &point, short));

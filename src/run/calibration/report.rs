@@ -4,6 +4,7 @@ use super::{Analysis, Calibration, HopfError, Place, Tool, error, quantity};
 use crate::bifurcation::Quantity;
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::problem::Problem;
+use crate::run::equilibria::frequency;
 use crate::run::study::Prepared;
 use crate::scene;
 use nalgebra::DMatrix;
@@ -22,8 +23,7 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Calibration) -> Bran
     let per_time = |with: &str| if time.is_empty() { String::new() } else { format!("{with}/{time}") };
     let of_quantity = |name: &str| match name {
         "omega" => per_time("rad"),
-        "frequency" if time == "s" => "Hz".to_owned(),
-        "frequency" => per_time("1"),
+        "frequency" => frequency(time),
         "lyapunov" | "dsigma_re" | "dsigma_im" => String::new(),
         parameter => unit(parameter),
     };
@@ -42,15 +42,12 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Calibration) -> Bran
             with_error.map(|(name, unit)| (format!("error {name}"), unit.clone())).collect();
         columns.extend(errors);
     }
-    Branch {
-        name: name.to_owned(),
-        kind: BranchKind::Calibration,
+    Branch::new(
+        name,
+        BranchKind::Calibration,
         free,
-        columns: columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
-        rows: Vec::new(),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    }
+        columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
+    )
 }
 
 /// Whether unknowns get standard deviations: from those of the targets, or from the scatter of targets in excess.
@@ -93,18 +90,17 @@ impl Tool<'_> {
             for (name, &value) in &point.values {
                 if let Some(&other) = fine.get(name) {
                     let floor = floors.get(name).copied().unwrap_or(0.0);
-                    point.errors.insert(name.clone(), error(value, other).max(floor));
+                    point.errors.extend(error(value, other).map(|error| (name.clone(), error.max(floor))));
                 }
             }
         }
         point.values.retain(|name, _| !point.parameters.contains_key(name));
-        let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
         let hopf = &place.hopf;
-        point.arrays.insert("state".to_owned(), vector(hopf.u.clone()));
-        point.arrays.insert("parameters".to_owned(), vector(resolved));
+        point.arrays.insert("state".to_owned(), Array::vector(hopf.u.clone()));
+        point.arrays.insert("parameters".to_owned(), Array::vector(resolved));
         for (name, z) in [("q", &hopf.q), ("w", &hopf.w)] {
-            point.arrays.insert(format!("{name}_re"), vector(z.iter().map(|z| z.re).collect()));
-            point.arrays.insert(format!("{name}_im"), vector(z.iter().map(|z| z.im).collect()));
+            point.arrays.insert(format!("{name}_re"), Array::vector(z.iter().map(|z| z.re).collect()));
+            point.arrays.insert(format!("{name}_im"), Array::vector(z.iter().map(|z| z.im).collect()));
         }
         for (name, matrix) in [("sensitivity", &analysis.sensitivity), ("covariance", &self.covariance(analysis))] {
             if let Some(matrix) = matrix {

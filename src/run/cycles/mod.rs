@@ -18,7 +18,7 @@ use super::resume::{Checkpoint, Keeper};
 use super::study::Prepared;
 use super::watch::Watch;
 use crate::branch::{Branch, Kind, SpecialPoint};
-use crate::continuation::{Counts, Failure, Point, Stop, Walk, at_lambda, crossing};
+use crate::continuation::{Counts, Failure, Point, Stop, Walk, at_lambda, crossing, inner};
 use crate::orbit::bifurcations::{Amplitude, Event, Homoclinic, KEPT, Passage, Segment, Signs, hopf_beside};
 use crate::orbit::{Collocation, OrbitFactors};
 use crate::problem::{Problem, Reflection};
@@ -39,6 +39,8 @@ enum CyclesError {
     Start(#[from] crate::bifurcation::HopfError),
     #[error("{what} at {name} = {value} does not lie inside the range {from} to {to}")]
     Outside { what: String, name: String, value: f64, from: f64, to: f64 },
+    #[error("the cycles leave the range at once: they go beyond its end {name} = {value}, where the Hopf point is")]
+    Edge { name: String, value: f64 },
     #[error("{0} is not stored with all that a start needs")]
     Incomplete(String),
     #[error("{label} is a branch point for {name} alone: free = {name:?}")]
@@ -201,8 +203,8 @@ impl Cycles<'_> {
         let (low, high) = (along.range.from, along.range.to);
         let onset = origin.onset(self.prepared.free);
         let (mut system, state, mut signs, mut passages) = match kept {
-            Some(Checkpoint { branch, orbit, walk, refined, signs, passages, .. }) => {
-                self.branch = branch;
+            Some(Checkpoint { branch, orbit, walk, refined, blind, signs, passages, .. }) => {
+                (self.branch, self.blind) = (branch, blind);
                 let frame = self.frame(origin)?;
                 self.maker.refinement = Refinement::at(self.prepared, &frame, refined);
                 (Collocation::new(frame, &orbit), walk, signs, passages)
@@ -231,6 +233,7 @@ impl Cycles<'_> {
                     counts: *counts,
                     seconds: before + start.elapsed().as_secs_f64(),
                     behind: self.behind.clone(),
+                    blind: self.blind,
                     signs: signs.clone(),
                     passages: passages.clone(),
                 });
@@ -265,7 +268,7 @@ impl Cycles<'_> {
                 }
                 return Ok(End::Recognised(reason));
             }
-            let mut between = self.user_values(&*walk.system, &step.from, &step.to, counts)?;
+            let mut between = self.user_values(&*walk.system, &step.from, &step.to, (counts, watch));
             let next = self.signs(&step.to, &step.factors, &wanted, counts);
             // At the first point nothing has been looked at yet: its signs come from the factors of the first step.
             if let (Some(a), Some(b)) = (self.signs_before(&signs, &*walk.system, &step.from, &wanted, counts), &next) {
@@ -370,42 +373,84 @@ impl Cycles<'_> {
         self.pending.push(pending);
     }
 
-    /// Points between two accepted ones where the parameter, the period or an observable's extreme is as wanted.
+    /// The wanted values: columns, where the free parameter is the first, and numbers.
+    fn goals(&self) -> impl Iterator<Item = (usize, f64)> {
+        let values = self.task.along.values.iter();
+        values.flat_map(|(name, wanted)| {
+            let column = self.branch.column(name).unwrap_or(0);
+            wanted.iter().map(move |&goal| (column, goal))
+        })
+    }
+
+    /// How far a point's number in a column is from a wanted one.
+    fn beyond(&self, system: &Collocation, point: &Point, (column, goal): (usize, f64)) -> f64 {
+        match column {
+            0 => point.lambda - goal,
+            k => {
+                let orbit = system.orbit(&point.x);
+                self.measure(&orbit, &system.frame.symmetry, &system.parameters(point.lambda))[k - 1] - goal
+            }
+        }
+    }
+
+    /// Points between two accepted ones where the parameter, the period or an observable's extreme is as wanted. A search
+    /// that fails leaves a gap in what was found, not in the branch.
     fn user_values(
         &self,
         system: &Collocation,
         from: &Point,
         to: &Point,
-        counts: &mut Counts,
-    ) -> Result<Vec<Between>, Failure> {
+        (counts, watch): (&mut Counts, &Watch),
+    ) -> Vec<Between> {
         let mut found = Vec::new();
-        for (name, wanted) in &self.task.along.values {
-            let column = self.branch.column(name).unwrap_or(0);
-            for &goal in wanted {
-                let value = |point: &Point| match column {
-                    0 => point.lambda - goal,
-                    k => {
-                        let orbit = system.orbit(&point.x);
-                        self.measure(&orbit, &system.frame.symmetry, &system.parameters(point.lambda))[k - 1] - goal
-                    }
-                };
+        let mut places = vec![from.clone(), to.clone()];
+        // Next to a fold the parameter takes a value twice within a step.
+        if from.tangent_lambda * to.tangent_lambda < 0.0 && self.goals().any(|(column, _)| column == 0) {
+            let turn = crossing(system, (from, to), &|point: &Point| point.tangent_lambda, counts);
+            places.splice(1..1, turn.ok());
+        }
+        for (piece, ends) in places.windows(2).enumerate() {
+            let (from, to) = (&ends[0], &ends[1]);
+            for wanted in self.goals() {
+                // A row that has the value is not to be found again, where moving the mesh has moved it by rounding.
+                let row = self.branch.rows.last().filter(|_| piece == 0);
+                if row.is_some_and(|row| row.values[wanted.0] == Some(wanted.1)) {
+                    continue;
+                }
+                let value = |point: &Point| self.beyond(system, point, wanted);
                 let (a, b) = (value(from), value(to));
-                if a * b < 0.0 || b == 0.0 {
-                    let lambda = match column {
-                        0 => goal,
-                        _ => crossing(system, (from, to), &value, counts)?.lambda,
-                    };
-                    let corrected = at_lambda(system, (from, to), lambda, counts)?;
-                    found.push(Between {
-                        fraction: a / (a - b),
+                if !(a * b < 0.0 || b == 0.0) {
+                    continue;
+                }
+                let lambda = match wanted {
+                    (0, goal) => Ok(goal),
+                    _ => crossing(system, (from, to), &value, counts).map(|point| point.lambda),
+                };
+                match lambda.and_then(|lambda| at_lambda(system, (from, to), lambda, counts)) {
+                    Ok(corrected) => found.push(Between {
+                        fraction: fraction(system, (&places[0], &places[places.len() - 1]), &corrected.point),
                         point: corrected.point,
                         factors: Some(corrected.factors.into()),
                         kind: Kind::UZ,
                         special: Special::default(),
-                    });
+                    }),
+                    Err(failure) => {
+                        let (column, goal) = (&self.branch.columns[wanted.0].name, wanted.1);
+                        watch.say(format!("{column} = {goal} was passed, but could not be solved for: {failure}"));
+                    }
                 }
             }
         }
-        Ok(found)
+        found
     }
+}
+
+/// How far along the chord of a step a point lies.
+fn fraction(system: &Collocation, (from, to): (&Point, &Point), point: &Point) -> f64 {
+    let gap = |to: &Point| -> (Vec<f64>, f64) {
+        (to.x.iter().zip(&from.x).map(|(a, b)| a - b).collect(), to.lambda - from.lambda)
+    };
+    let (chord, part) = (gap(to), gap(point));
+    let chord = (&chord.0[..], chord.1);
+    inner(system, (&part.0, part.1), chord) / inner(system, chord, chord)
 }

@@ -1,8 +1,9 @@
 //! Where a branch of cycles starts: at a Hopf point, where other cycles double their period or branch, or at any cycle.
 
+use super::rows::{Pending, logarithm};
 use super::{Cycles, CyclesError, Way};
 use crate::bifurcation::{Coordinate, Hopf, HopfNormalForm, reverse};
-use crate::branch::{Row, SpecialPoint};
+use crate::branch::{Kind, Row, SpecialPoint};
 use crate::continuation::{Border, Corrected, Counts, Point, StepControl, System, Walk, WalkState, correct, inner};
 use crate::orbit::bifurcations::{BranchPoint, Critical, CriticalCycle, Departure};
 use crate::orbit::{Collocation, Frame, Modulation, OrbitFactors, Points, from_hopf, half_period};
@@ -94,6 +95,9 @@ impl Cycles<'_> {
         let (hopf, form) = self.hopf(from)?;
         let onset = inside(hopf.p[self.prepared.free])?;
         let span = if form.p2 > 0.0 { high - onset } else { onset - low };
+        if span == 0.0 {
+            return Err(CyclesError::Edge { name: self.prepared.free_name.clone(), value: onset });
+        }
         let reference = (span / form.p2.abs()).sqrt();
         if !reference.is_finite() || reference == 0.0 {
             return Err(CyclesError::Degenerate);
@@ -168,16 +172,21 @@ impl Cycles<'_> {
                 (system, origin, corrected)
             }
         };
+        self.push(&system, &first.point, &first.factors, None);
         // On the second of two ways the start is there already.
         if self.branch.rows.is_empty() {
             let (orbit, symmetry) = (system.orbit(&still.x), system.frame.symmetry.clone());
             let values = self.measure(&orbit, &symmetry, &system.parameters(still.lambda));
             let mut row: Vec<Option<f64>> = vec![Some(still.lambda)];
-            row.extend(values.into_iter().map(Some));
-            row.resize(self.branch.columns.len(), None);
-            self.branch.rows.push(Row { label: None, stable: None, values: row });
+            row.extend(values.into_iter().map(|value| Some(value).filter(|value| value.is_finite())));
+            let logarithm = logarithm(self.task, still.lambda);
+            row.resize(self.branch.columns.len() - logarithm.iter().len(), None);
+            row.extend(logarithm);
+            // As stable as the first cycle; not so the wave that relative orbits leave.
+            let first = self.pending.last().filter(|_| !self.task.relative);
+            let stable = first.and_then(Pending::stable);
+            self.branch.rows.push(Row { label: None, stable, values: row });
         }
-        self.push(&system, &first.point, &first.factors, None);
         let control = self.control(&system);
         let state = Walk::new(&mut system, first.point, control, (0.0, 0.0)).state;
         Ok((system, state))
@@ -216,7 +225,8 @@ impl Cycles<'_> {
             reverse(&mut point);
         }
         if self.branch.rows.is_empty() {
-            self.push(&system, &point, &factors, None);
+            let wanted = self.goals().any(|wanted| self.beyond(&system, &point, wanted) == 0.0);
+            self.push(&system, &point, &factors, wanted.then_some(Kind::UZ));
             self.make_rows(counts);
         }
         let control = self.control(&system);

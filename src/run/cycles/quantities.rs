@@ -2,6 +2,7 @@
 
 use crate::orbit::Orbit;
 use crate::problem::{At, Problem, Reflection};
+use crate::run::equilibria::frequency;
 use crate::run::study::Prepared;
 
 /// An average over the period.
@@ -31,12 +32,7 @@ impl Average {
 /// Names and units of what [`measure`] gives, for orbits with so many drift velocities.
 pub fn columns(prepared: &Prepared, drifts: usize) -> Vec<(String, String)> {
     let time = prepared.problem.time_unit();
-    let frequency = match time {
-        "" => String::new(),
-        "s" => "Hz".to_owned(),
-        unit => format!("1/{unit}"),
-    };
-    let mut columns = vec![("period".to_owned(), time.to_owned()), ("frequency".to_owned(), frequency)];
+    let mut columns = vec![("period".to_owned(), time.to_owned()), ("frequency".to_owned(), frequency(time))];
     let turning = if time.is_empty() { String::new() } else { format!("rad/{time}") };
     columns.extend((1..=drifts).map(|k| (format!("drift_{k}"), turning.clone())));
     let list = prepared.problem.observables();

@@ -47,6 +47,15 @@ impl Pending {
             special,
         }
     }
+
+    /// What the multipliers say.
+    pub fn stable(&self) -> Option<bool> {
+        match self.multipliers.as_ref()?.verdict() {
+            Stability::Stable => Some(true),
+            Stability::Unstable => Some(false),
+            Stability::Undecided => None,
+        }
+    }
 }
 
 /// A branch without rows: its columns are what the task asks for.
@@ -66,15 +75,18 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Cycles) -> Branch {
             columns.push((format!("error {}", columns[k].0), columns[k].1.clone()));
         }
     }
-    Branch {
-        name: name.to_owned(),
-        kind: BranchKind::Cycles,
-        free: vec![prepared.free_name.clone()],
-        columns: columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
-        rows: Vec::new(),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    }
+    columns.extend(task.along.logarithmic.iter().map(|name| (format!("log10 {name}"), String::new())));
+    Branch::new(
+        name,
+        BranchKind::Cycles,
+        vec![prepared.free_name.clone()],
+        columns.into_iter().map(|(name, unit)| Column { name, unit }).collect(),
+    )
+}
+
+/// The last entry of a row, where the parameter is logarithmic.
+pub fn logarithm(task: &scene::Cycles, lambda: f64) -> Option<Option<f64>> {
+    (!task.along.logarithmic.is_empty()).then(|| Some(lambda.log10()))
 }
 
 /// Drift velocities of the task's orbits.
@@ -126,15 +138,12 @@ impl<'a> Maker<'a> {
             let errors = measured
                 .iter()
                 .enumerate()
-                .map(|(k, &value)| known(k).or(fine.as_ref().map(|fine| error(value, fine[k]))));
+                .map(|(k, &value)| known(k).or(fine.as_ref().and_then(|fine| error(value, fine[k]))));
             values.extend(errors);
         }
-        let stable = found.map(Multipliers::verdict).and_then(|verdict| match verdict {
-            Stability::Stable => Some(true),
-            Stability::Unstable => Some(false),
-            Stability::Undecided => None,
-        });
-        Row { label: None, stable, values }
+        values.extend(logarithm(self.task, *lambda));
+        values.iter_mut().for_each(|value| *value = value.filter(|value| value.is_finite()));
+        Row { label: None, stable: point.stable(), values }
     }
 }
 
@@ -155,10 +164,6 @@ impl Cycles<'_> {
     /// Takes over rows and names those that are special points.
     pub fn append(&mut self, pending: &[Pending], rows: Vec<Row>) {
         for (point, row) in pending.iter().zip(rows) {
-            // The Hopf point itself is as stable as the first cycle; a relative branch's first row is no such point.
-            if let (false, [onset]) = (self.task.relative, &mut self.branch.rows[..]) {
-                onset.stable = row.stable;
-            }
             self.branch.rows.push(row);
             if let Some(kind) = point.kind {
                 self.name_last_row(point, kind);
@@ -175,39 +180,40 @@ impl Cycles<'_> {
         let row = self.branch.rows.len() - 1;
         let (mut values, mut errors) = (BTreeMap::new(), BTreeMap::new());
         for (column, value) in self.branch.columns.iter().zip(&self.branch.rows[row].values).skip(1) {
-            let Some(value) = *value else { continue };
+            let Some(value) = value.filter(|_| !column.name.starts_with("log10 ")) else { continue };
             match column.name.strip_prefix("error ") {
                 Some(name) => errors.insert(name.to_owned(), value),
                 None => values.insert(column.name.clone(), value),
             };
         }
         let Special { values: own, errors: sure, cosine } = &point.special;
-        values.extend(own.iter().map(|(name, value)| ((*name).to_owned(), *value)));
+        values.extend(
+            own.iter().filter(|(_, value)| value.is_finite()).map(|(name, value)| ((*name).to_owned(), *value)),
+        );
         let sure = sure.iter().filter(|(_, error)| error.is_finite());
         errors.extend(sure.map(|(name, error)| (name.clone(), *error)));
-        let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
         let nodes =
             |orbit: &Orbit| Array { shape: vec![orbit.nodes.len() / orbit.dim, orbit.dim], data: orbit.nodes.clone() };
         let mut arrays = BTreeMap::from([
             ("state".to_owned(), nodes(orbit)),
             ("tangent".to_owned(), nodes(tangent)),
-            ("tangent_part_lambda".to_owned(), vector(vec![tangent.part, point.tangent_lambda])),
-            ("mesh".to_owned(), vector(orbit.mesh.clone())),
-            ("degree_parts".to_owned(), vector(vec![orbit.degree as f64, orbit.parts as f64])),
-            ("part".to_owned(), vector(vec![orbit.part])),
-            ("gauss_free".to_owned(), vector(vec![f64::from(u8::from(self.task.gauss)), frame.free as f64])),
-            ("parameters".to_owned(), vector(resolved.clone())),
+            ("tangent_part_lambda".to_owned(), Array::vector(vec![tangent.part, point.tangent_lambda])),
+            ("mesh".to_owned(), Array::vector(orbit.mesh.clone())),
+            ("degree_parts".to_owned(), Array::vector(vec![orbit.degree as f64, orbit.parts as f64])),
+            ("part".to_owned(), Array::vector(vec![orbit.part])),
+            ("gauss_free".to_owned(), Array::vector(vec![f64::from(u8::from(self.task.gauss)), frame.free as f64])),
+            ("parameters".to_owned(), Array::vector(resolved.clone())),
         ]);
         if !orbit.drift.is_empty() {
-            arrays.insert("drift".to_owned(), vector(orbit.drift.clone()));
-            arrays.insert("tangent_drift".to_owned(), vector(tangent.drift.clone()));
+            arrays.insert("drift".to_owned(), Array::vector(orbit.drift.clone()));
+            arrays.insert("tangent_drift".to_owned(), Array::vector(tangent.drift.clone()));
         }
-        arrays.extend(cosine.map(|cosine| ("critical".to_owned(), vector(vec![cosine]))));
+        arrays.extend(cosine.map(|cosine| ("critical".to_owned(), Array::vector(vec![cosine]))));
         let (short, label) = labels(&self.branch, kind);
         let list = self.prepared.problem.parameters();
         let parameters = list.iter().zip(&resolved).map(|(q, &x)| (q.name.to_owned(), x)).collect();
         let mut special = SpecialPoint { label, kind, row, parameters, values, errors, arrays };
-        if self.prepared.waves.contains(&short) {
+        if self.prepared.waves.contains(&special.label) {
             wave::of_orbit(self.prepared, orbit, &frame.symmetry, &p, &mut special);
         }
         self.branch.rows[row].label = Some(short);

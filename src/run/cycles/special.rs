@@ -89,9 +89,11 @@ impl Cycles<'_> {
                 let lambda = fine.parameters(&y)[system.frame.free];
                 let columns = self.columns(&fine.system, &fine.orbit(&y), lambda);
                 let named = names.iter().map(|column| column.name.clone());
-                special.errors = named.zip(own.iter().zip(&columns).map(|(a, b)| error(*a, *b))).collect();
+                special.errors = errors(named, &own, &columns);
                 let pairs = special.values.iter().zip(values(&fine, &y));
-                special.errors.extend(pairs.map(|((name, a), (_, b))| ((*name).to_owned(), error(*a, b))));
+                special
+                    .errors
+                    .extend(pairs.filter_map(|((name, a), (_, b))| Some(((*name).to_owned(), error(*a, b)?))));
             }
         }
         special.values.extend(located.pair.map(|(re, im)| ("theta", angle(re / re.hypot(im), system.frame.parts))));
@@ -101,7 +103,7 @@ impl Cycles<'_> {
             if let Some((point, system)) = fine {
                 let columns = self.columns(&system, &system.orbit(&point.x), point.lambda);
                 let named = names.iter().map(|column| column.name.clone());
-                special.errors = named.zip(own.iter().zip(&columns).map(|(a, b)| error(*a, *b))).collect();
+                special.errors = errors(named, &own, &columns);
             }
         }
         special
@@ -134,7 +136,7 @@ impl Cycles<'_> {
             self.columns(segment.system, &segment.system.orbit(&located.point.x), located.point.lambda).len();
         let names = self.branch.columns.iter().take(measured).map(|column| column.name.clone());
         let names = names.chain(["theta".to_owned()]);
-        Some(names.zip(here.iter().zip(&there).map(|(a, b)| error(*a, *b))).collect())
+        Some(errors(names, &here, &there))
     }
 
     /// The free parameter and what is measured.
@@ -165,8 +167,7 @@ impl Cycles<'_> {
     pub fn end(&self, system: &Collocation, point: &Point, end: &Homoclinic, counts: &mut Counts) -> Special {
         if let Passed::SaddleNode(fold) = &end.passed {
             let finer = self.task.along.errors.then(|| self.finer_fold(fold, system.frame.free));
-            let moved = finer.map(|finer| finer.map_or(f64::NAN, |lambda| (lambda - end.lambda).abs()));
-            let errors = moved.map(|moved| ("snic".to_owned(), moved.max(end.error)));
+            let errors = finer.flatten().map(|finer| ("snic".to_owned(), (finer - end.lambda).abs().max(end.error)));
             return Special { values: vec![("snic", end.lambda)], errors: errors.into_iter().collect(), cosine: None };
         }
         let finer = self.task.along.errors.then(|| self.finer_point(system, point)).flatten();
@@ -211,6 +212,12 @@ impl Cycles<'_> {
         counts.spectra += usize::from(wanted.iter().any(|event| *event != Event::Fold));
         Signs::new(point, factors, wanted).ok()
     }
+}
+
+/// Errors by name, where they are known, of numbers here and on a finer discretisation.
+fn errors(names: impl Iterator<Item = String>, here: &[f64], there: &[f64]) -> Vec<(String, f64)> {
+    let known = here.iter().zip(there).map(|(a, b)| error(*a, *b));
+    names.zip(known).filter_map(|(name, error)| Some((name, error?))).collect()
 }
 
 /// How a branch ends at an orbit of infinite period.

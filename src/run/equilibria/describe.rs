@@ -29,16 +29,15 @@ pub fn describe(
     special.parameters = names.zip(&p).map(|(q, &x)| (q.name.to_owned(), x)).collect();
     special.values = measure(prepared, system, &sample.point, known(sample));
     let arrays = &mut special.arrays;
-    let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
-    arrays.insert("state".to_owned(), vector(sample.point.x.clone()));
-    arrays.insert("parameters".to_owned(), vector(p));
-    arrays.insert("tangent".to_owned(), vector(sample.point.tangent.clone()));
-    arrays.insert("scale".to_owned(), vector(vec![system.scale_state]));
+    arrays.insert("state".to_owned(), Array::vector(sample.point.x.clone()));
+    arrays.insert("parameters".to_owned(), Array::vector(p));
+    arrays.insert("tangent".to_owned(), Array::vector(sample.point.tangent.clone()));
+    arrays.insert("scale".to_owned(), Array::vector(vec![system.scale_state]));
     let mode = match &sample.mark {
         Some(Mark::Hopf(found)) => {
             special.values.extend(of_hopf(&found.0, &found.1));
-            arrays.insert("w_re".to_owned(), vector(found.0.w.iter().map(|z| z.re).collect()));
-            arrays.insert("w_im".to_owned(), vector(found.0.w.iter().map(|z| z.im).collect()));
+            arrays.insert("w_re".to_owned(), Array::vector(found.0.w.iter().map(|z| z.re).collect()));
+            arrays.insert("w_im".to_owned(), Array::vector(found.0.w.iter().map(|z| z.im).collect()));
             Some(found.0.q.clone())
         }
         _ => modes.and_then(|tool| tool.mode(&sample.point)),
@@ -46,19 +45,19 @@ pub fn describe(
     match &sample.mark {
         Some(Mark::Fold(Some(fold))) => {
             special.values.extend(of_fold(fold));
-            arrays.insert("kernel".to_owned(), vector(fold.q.clone()));
+            arrays.insert("kernel".to_owned(), Array::vector(fold.q.clone()));
         }
         Some(Mark::Branch(found)) => {
             special.values.extend(of_branch_point(found));
-            arrays.insert("kernel".to_owned(), vector(found.form.q.clone()));
-            arrays.insert("free".to_owned(), vector(vec![system.coordinate.index as f64]));
-            arrays.insert("other_tangent".to_owned(), vector([&found.across.u[..], &[found.across.p]].concat()));
+            arrays.insert("kernel".to_owned(), Array::vector(found.form.q.clone()));
+            arrays.insert("free".to_owned(), Array::vector(vec![system.coordinate.index as f64]));
+            arrays.insert("other_tangent".to_owned(), Array::vector([&found.across.u[..], &[found.across.p]].concat()));
         }
         _ => {}
     }
     if let Some(q) = mode {
-        arrays.insert("q_re".to_owned(), vector(q.iter().map(|z| z.re).collect()));
-        arrays.insert("q_im".to_owned(), vector(q.iter().map(|z| z.im).collect()));
+        arrays.insert("q_re".to_owned(), Array::vector(q.iter().map(|z| z.re).collect()));
+        arrays.insert("q_im".to_owned(), Array::vector(q.iter().map(|z| z.im).collect()));
     }
 }
 
@@ -75,6 +74,7 @@ fn measure(prepared: &Prepared, system: &Equilibria, point: &Point, leading: Opt
     let list = system.problem.observables();
     let mut values: BTreeMap<String, f64> =
         prepared.observables.iter().map(|&i| (list[i].name.to_owned(), observe(system, point, i))).collect();
+    values.retain(|_, value| value.is_finite());
     if let Some(sigma) = leading {
         values.insert("growth".to_owned(), sigma.re);
         values.insert("omega".to_owned(), sigma.im.abs());
@@ -123,7 +123,7 @@ pub fn estimate(
     let free = &prepared.free_name;
     for (name, step) in rounding(sample, free) {
         let value = point.parameters.get(&name).or(point.values.get(&name)).copied().unwrap_or(0.0);
-        point.errors.insert(name, (SCATTER * step).max(error(value, value)));
+        point.errors.extend(error(value, value).map(|least| (name, least.max(SCATTER * step))));
     }
     let Some(refined) = prepared.problem.refined() else { return true };
     let Some((lambda, fine)) = finer(prepared, system, &refined, (sample, neighbours), spectra) else {
@@ -137,10 +137,10 @@ pub fn estimate(
         return !located;
     };
     let here = system.coordinate.value(sample.point.lambda);
-    let moved = lambda.map(|lambda| (free.clone(), error(here, lambda)));
+    let moved = lambda.and_then(|lambda| Some((free.clone(), error(here, lambda)?)));
     let compared = point.values.iter().filter_map(|(name, &value)| {
         let fine = fine.get(name).filter(|fine| **fine != 0.0 || value != 0.0)?;
-        Some((name.clone(), error(value, *fine)))
+        Some((name.clone(), error(value, *fine)?))
     });
     let compared: Vec<(String, f64)> = compared.chain(moved).collect();
     for (name, error) in compared {
@@ -234,7 +234,22 @@ const SAFETY: f64 = 2.0;
 /// one exceeds ten times the other in 6 of 100 cases; less often where the larger of two steps is known.
 pub const SCATTER: f64 = 10.0;
 
-/// Twice the difference, but not less than rounding.
-pub fn error(value: f64, fine: f64) -> f64 {
-    (SAFETY * (value - fine).abs()).max(4.0 * f64::EPSILON * value.abs())
+/// Twice the difference, but not less than rounding; None where one of the two does not exist.
+pub fn error(value: f64, fine: f64) -> Option<f64> {
+    let moved = SAFETY * (value - fine).abs();
+    moved.is_finite().then(|| moved.max(4.0 * f64::EPSILON * value.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::error;
+
+    #[test]
+    fn what_does_not_exist_has_no_error() {
+        assert_eq!(error(1.0, 1.5), Some(1.0));
+        assert_eq!(error(3.0, 3.0), Some(12.0 * f64::EPSILON));
+        for (value, fine) in [(1.0, f64::NAN), (f64::NAN, 1.0), (1.0, f64::INFINITY)] {
+            assert_eq!(error(value, fine), None);
+        }
+    }
 }

@@ -5,13 +5,13 @@ mod describe;
 mod values;
 mod walk;
 
-use super::outcome::{Outcome, Status, labels};
+use super::outcome::{Outcome, Status, joined, labels};
 use super::study::Prepared;
 use super::watch::Watch;
 use super::wave;
 use crate::bifurcation::{Equilibria, Mark, Reach, Sample, Spectra, branch_points, folds, leading};
 use crate::branch::{Branch, BranchKind, Column, Kind, Row, SpecialPoint};
-use crate::continuation::{Counts, Point, Stop};
+use crate::continuation::{Counts, Failure, Point, Stop};
 use crate::linalg::{c64, growth};
 use crate::problem::Problem;
 use crate::scene;
@@ -26,8 +26,20 @@ use walk::{Walked, Wanted, walk};
 pub use describe::{SCATTER, error};
 
 /// Numbers of special points that are neither observables nor eigenvalues.
-pub const VALUES: [&str; 10] =
-    ["omega", "frequency", "lyapunov", "growth", "condition", "lp_a", "lp_b", "bp_b", "bp_c", "bp_d"];
+pub const VALUES: [&str; 12] = [
+    "omega",
+    "frequency",
+    "lyapunov",
+    "dsigma_re",
+    "dsigma_im",
+    "growth",
+    "condition",
+    "lp_a",
+    "lp_b",
+    "bp_b",
+    "bp_c",
+    "bp_d",
+];
 
 /// Runs the task; numerical trouble ends up in the outcome's status and reason.
 pub fn run(prepared: &Prepared, name: &str, task: &scene::Equilibria, origin: Origin, watch: &Watch) -> Outcome {
@@ -45,15 +57,7 @@ pub fn run(prepared: &Prepared, name: &str, task: &scene::Equilibria, origin: Or
 
 /// A branch without rows.
 pub fn empty(name: &str, task: &scene::Equilibria) -> Branch {
-    Branch {
-        name: name.to_owned(),
-        kind: BranchKind::Equilibria,
-        free: vec![task.along.free.clone()],
-        columns: Vec::new(),
-        rows: Vec::new(),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    }
+    Branch::new(name, BranchKind::Equilibria, vec![task.along.free.clone()], Vec::new())
 }
 
 fn follow(
@@ -80,32 +84,32 @@ fn follow(
     if let Some(first) = samples.first_mut() {
         first.mark = back.as_ref().map_or(Some(Mark::End), mark);
     }
-    let stop = back.filter(|back| *back != Stop::RangeEnd).unwrap_or(stop);
     if detects("BP") {
         branch_points(&system, &mut samples, &signs, counts).into_iter().for_each(|doubt| watch.say(doubt));
     }
+    // A search that fails leaves a gap in what was found, not in the branch.
+    let mut failures: Vec<Failure> = Vec::new();
     if detects("LP") {
-        folds(&system, &mut samples, counts)?;
+        failures.extend(folds(&system, &mut samples, counts).err());
     }
     // After the folds: next to one the parameter takes a value twice within a step.
-    user_values(&system, &along.values, &mut samples, counts)?;
+    failures.extend(user_values(&system, &along.values, &mut samples, counts).err());
     let hopf = detects("HB");
     // Detection alone needs the eigenvalues that may cross, not columns for them.
     let wanted = if hopf { task.spectrum.max(4) } else { task.spectrum };
     let stopped = || watch.stopped();
-    let spectra = if wanted > 0 {
-        let tool = Spectra::new(&system, wanted, &stopped, &mut samples, counts)?;
-        tool.follow(&mut samples, counts)?;
-        if hopf {
-            tool.hopf_points(&mut samples, counts)?;
-        }
-        if task.spectrum > 0 {
-            tool.smooth(&mut samples, counts)?;
-        }
-        Some(tool)
-    } else {
-        None
-    };
+    let tool = (wanted > 0).then(|| Spectra::new(&system, wanted, &stopped, &mut samples, counts));
+    let spectra = tool.and_then(|tool| tool.map_err(|failure| failures.push(failure)).ok());
+    if let Some(tool) = &spectra {
+        let mut search = || {
+            tool.follow(&mut samples, counts)?;
+            if hopf {
+                tool.hopf_points(&mut samples, counts)?;
+            }
+            if task.spectrum > 0 { tool.smooth(&mut samples, counts) } else { Ok(()) }
+        };
+        failures.extend(search().err());
+    }
     // What there was no time for is left out at the end.
     let stop = if watch.stopped() { Stop::Interrupted } else { stop };
     if let Some(last) = samples.last_mut() {
@@ -125,7 +129,7 @@ fn follow(
         branch.points.push(SpecialPoint::new(label, kind, row));
     }
     let confirmed = branch.points.par_iter_mut().zip(&marked).map(|(point, &(row, sample, _))| {
-        let drawn = branch.rows[row].label.as_ref().is_some_and(|short| prepared.waves.contains(short));
+        let drawn = prepared.waves.contains(&point.label);
         describe(prepared, &system, sample, spectra.as_ref().filter(|_| drawn), point);
         let mut found = true;
         if along.errors && !watch.stopped() {
@@ -138,12 +142,17 @@ fn follow(
         found
     });
     let confirmed: Vec<bool> = confirmed.collect();
-    let status = match stop {
-        Stop::Interrupted => Status::Interrupted,
-        Stop::Stagnation { .. } => Status::Failed,
-        Stop::RangeEnd | Stop::BoxEnd | Stop::Closed | Stop::MaxPoints => Status::Done,
+    let up = stop.to_string();
+    let (mut status, mut reason) = match &back {
+        Some(back) => joined([(status(back), &back.to_string()), (status(&stop), &up)]),
+        None => (status(&stop), up),
     };
-    let mut reason = stop.to_string();
+    for failure in failures {
+        if status == Status::Done {
+            status = Status::Failed;
+        }
+        reason += &format!("; what was looked for is not complete: {failure}");
+    }
     if let Some(reach) = reach.filter(|reach| !reach.complete) {
         reason += &format!("; {}", checked(reach));
     }
@@ -158,6 +167,15 @@ fn follow(
         reason += &format!("; not found on a finer discretisation, so not to be trusted: {}", lost.join(", "));
     }
     Ok(Outcome { branch, status, reason, seconds: 0.0, counts: *counts })
+}
+
+/// How a way that ended so went.
+fn status(stop: &Stop) -> Status {
+    match stop {
+        Stop::Interrupted => Status::Interrupted,
+        Stop::Stagnation { .. } => Status::Failed,
+        Stop::RangeEnd | Stop::BoxEnd | Stop::Closed | Stop::MaxPoints => Status::Done,
+    }
 }
 
 /// What is known of a large problem's eigenvalues on the imaginary axis, of which some are computed only.
@@ -212,7 +230,8 @@ fn rows(prepared: &Prepared, system: &Equilibria, task: &scene::Equilibria, samp
     for &i in &prepared.observables {
         branch.columns.push(column(observables[i].name, observables[i].unit));
     }
-    let shown = if task.spectrum > 0 { leading(samples, task.spectrum) } else { Vec::new() };
+    let followed = task.spectrum > 0 && samples.iter().all(|sample| !sample.followed.is_empty());
+    let shown = if followed { leading(samples, task.spectrum) } else { Vec::new() };
     let (rate, turn) = rates(prepared.problem.time_unit());
     for k in 1..=shown.len() {
         branch.columns.push(column(&format!("re_{k}"), &rate));
@@ -226,11 +245,21 @@ fn rows(prepared: &Prepared, system: &Equilibria, task: &scene::Equilibria, samp
         for &k in &shown {
             values.extend([Some(sample.followed[k].re), Some(sample.followed[k].im)]);
         }
+        values.iter_mut().for_each(|value| *value = value.filter(|value| value.is_finite()));
         let on_axis = matches!(sample.mark.as_ref().map(kind), Some(Kind::HB | Kind::KC | Kind::BP | Kind::LP));
         // Undamped oscillations do not grow.
         let bounded = |sigma: &c64| growth(*sigma) < 0.0 || growth(*sigma) == 0.0 && sigma.im != 0.0;
         let stable = sample.values.first().filter(|_| !on_axis).map(bounded);
         branch.rows.push(Row { label: None, stable, values });
+    }
+}
+
+/// The unit of frequencies.
+pub fn frequency(time: &str) -> String {
+    match time {
+        "" => String::new(),
+        "s" => "Hz".to_owned(),
+        other => format!("1/{other}"),
     }
 }
 

@@ -22,7 +22,13 @@ pub fn user_values(
             let mut i = 0;
             while i < samples.len() {
                 if value(&samples[i].point) == 0.0 {
-                    samples[i].mark = Some(Mark::User);
+                    if let None | Some(Mark::End) = samples[i].mark {
+                        samples[i].mark = Some(Mark::User);
+                    } else {
+                        // A point that is something else, too, is there twice.
+                        samples.insert(i, Sample::new(samples[i].point.clone(), Some(Mark::User)));
+                        i += 1;
+                    }
                 } else if i > 0 && value(&samples[i - 1].point) * value(&samples[i].point) < 0.0 {
                     let ends = (&samples[i - 1].point, &samples[i].point);
                     let point = match observable {

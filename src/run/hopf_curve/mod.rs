@@ -5,6 +5,7 @@ mod rows;
 mod sample;
 mod start;
 
+use super::equilibria::{frequency, rates};
 use super::locus;
 use super::outcome::{Outcome, Status, joined};
 use super::start::coordinates;
@@ -15,6 +16,7 @@ use crate::branch::{Branch, BranchKind, Column, Kind, SpecialPoint};
 use crate::continuation::{Counts, Point, StepControl, Stop, Walk};
 use crate::problem::{Problem, Refinement};
 use crate::scene;
+pub use sample::{COARSE, moved};
 use sample::{Reached, Sample};
 use start::CurveError;
 use std::sync::Mutex;
@@ -71,10 +73,9 @@ pub fn run(prepared: &Prepared, name: &str, task: &scene::Curve, from: &SpecialP
 
 pub fn empty(prepared: &Prepared, name: &str, task: &scene::Curve) -> Branch {
     let time = prepared.problem.time_unit();
-    let of_time = |units: [&str; 2]| if time.is_empty() { units[0].to_owned() } else { units[1].replace("{s}", time) };
     let own = [
-        ("omega", of_time(["rad", "rad/{s}"])),
-        ("frequency", if time == "s" { "Hz".to_owned() } else { of_time(["", "1/{s}"]) }),
+        ("omega", rates(time).1),
+        ("frequency", frequency(time)),
         ("lyapunov", String::new()),
         ("dsigma_re", String::new()),
         ("dsigma_im", String::new()),
@@ -108,7 +109,8 @@ impl Curve<'_> {
         let mut back = point.clone();
         reverse(&mut back);
         let start = HopfSegment { curve: curve.clone(), from: point.clone(), to: point.clone() };
-        let start = self.samples(vec![(start, point.clone(), None)]);
+        let mark = locus::start_mark(self.prepared, &self.task.along, &start);
+        let start = self.samples(vec![(start, point.clone(), mark)]);
         // Both ways at a time, each with half of the points.
         let most = self.task.along.max_points.saturating_sub(1).div_ceil(2);
         let go = |curve: HopfCurve, from: Point| {

@@ -23,7 +23,7 @@ impl Curve<'_> {
         for ((row, _, kind), mut point) in marked.into_iter().zip(points) {
             let (short, label) = labels(branch, kind);
             point.label = label;
-            if self.prepared.waves.contains(&short) {
+            if self.prepared.waves.contains(&point.label) {
                 crate::run::wave::of_mode(self.prepared, &mut point);
             }
             branch.rows[row].label = Some(short);
@@ -81,7 +81,7 @@ impl Curve<'_> {
                 if Some(name) == held {
                     return None;
                 }
-                let moved = error(value(Some(here), name)?, value(Some(fine), name)?);
+                let moved = error(value(Some(here), name)?, value(Some(fine), name)?)?;
                 Some(moved.max(self.rounding(sample, name)))
             }
             None => value(sample.here.as_ref(), &column.name),
@@ -114,16 +114,15 @@ impl Curve<'_> {
         let resolved = self.prepared.problem.resolve(&p);
         let list = self.prepared.problem.parameters();
         let n = self.prepared.problem.dim();
-        let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
         let mut arrays = BTreeMap::from([
-            ("state".to_owned(), vector(sample.point.x[..n].to_vec())),
-            ("parameters".to_owned(), vector(resolved.clone())),
-            ("tangent".to_owned(), vector([&sample.point.tangent[..], &[sample.point.tangent_lambda]].concat())),
+            ("state".to_owned(), Array::vector(sample.point.x[..n].to_vec())),
+            ("parameters".to_owned(), Array::vector(resolved.clone())),
+            ("tangent".to_owned(), Array::vector([&sample.point.tangent[..], &[sample.point.tangent_lambda]].concat())),
         ]);
         if let Some(Here { hopf, .. }) = &sample.here {
             for (name, z) in [("q", &hopf.q), ("w", &hopf.w)] {
-                arrays.insert(format!("{name}_re"), vector(z.iter().map(|z| z.re).collect()));
-                arrays.insert(format!("{name}_im"), vector(z.iter().map(|z| z.im).collect()));
+                arrays.insert(format!("{name}_re"), Array::vector(z.iter().map(|z| z.re).collect()));
+                arrays.insert(format!("{name}_im"), Array::vector(z.iter().map(|z| z.im).collect()));
             }
         }
         let parameters = list.iter().zip(&resolved).map(|(q, &x)| (q.name.to_owned(), x)).collect();
@@ -145,12 +144,13 @@ impl Curve<'_> {
                 continue;
             };
             if !matches!(test, Test::Value(held, _) if held == k) {
-                errors.insert(name.to_owned(), error(here, there).max(self.rounding(sample, name)));
+                let moved = error(here, there).map(|moved| moved.max(self.rounding(sample, name)));
+                errors.extend(moved.map(|error| (name.to_owned(), error)));
             }
         }
         for (name, fine) in coefficients(&segment, &point, test) {
             if let Some(&value) = deciding.get(&name) {
-                errors.insert(name, error(value, fine));
+                errors.extend(error(value, fine).map(|error| (name, error)));
             }
         }
         errors

@@ -1,15 +1,18 @@
 //! A point of the curve with all that its row needs, and what lies between two of them.
 
 use super::Curve;
-use crate::bifurcation::{Hopf, HopfNormalForm, HopfSegment, Locus, Test};
+use crate::bifurcation::{Coordinate, Hopf, HopfNormalForm, HopfSegment, Locus, Test};
 use crate::branch::Kind;
 use crate::continuation::{Counts, Point};
 use crate::linalg::c64;
 use crate::problem::Problem;
+use crate::run::locus::wanted;
 use rayon::prelude::*;
 
 /// Estimated relative error of a parameter from which on the discretisation counts as too coarse.
-const COARSE: f64 = 1e-3;
+pub const COARSE: f64 = 1e-3;
+/// A parameter that passes zero has at least the size of this part of its range.
+const SMALLEST: f64 = 0.01;
 
 /// What kind of special point a point is, if any, and the test that found it.
 pub(super) type Mark = Option<(Kind, Option<Test>)>;
@@ -76,7 +79,10 @@ impl Curve<'_> {
         let (here, free) = (sample.here.as_ref()?, sample.free);
         let name = self.prepared.problem.parameters()[free].name;
         let off = match &sample.fine {
-            Some(fine) => (fine.hopf.p[free] / here.hopf.p[free] - 1.0).abs(),
+            Some(fine) => {
+                let axis = sample.segment.curve.axes().into_iter().find(|axis| axis.index == free)?;
+                moved(axis, here.hopf.p[free], fine.hopf.p[free])
+            }
             None => f64::INFINITY,
         };
         let advice = "the discretisation does not resolve the mode any more; refine it";
@@ -87,12 +93,7 @@ impl Curve<'_> {
     pub(super) fn between(&self, last: &Sample, next: &Sample, counts: &mut Counts) -> Vec<Sample> {
         let segment = &next.segment;
         let ended = next.mark.and_then(|(_, test)| test);
-        let mut tests: Vec<(Kind, Test)> = Vec::new();
-        for (k, coordinate) in [segment.curve.first, segment.curve.second].into_iter().enumerate() {
-            let name = self.prepared.problem.parameters()[coordinate.index].name;
-            let wanted = self.task.along.values.get(name).into_iter().flatten();
-            tests.extend(wanted.map(|&value| (Kind::UZ, Test::Value(k, coordinate.of(value)))));
-        }
+        let mut tests: Vec<(Kind, Test)> = wanted(self.prepared, &self.task.along, &segment.curve);
         let l1 = |sample: &Sample| sample.here.as_ref().and_then(|here| Some(here.form.as_ref()?.l1));
         if let (Some(a), Some(b)) = (l1(last), l1(next))
             && a * b < 0.0
@@ -115,4 +116,10 @@ impl Curve<'_> {
         samples.sort_by(|x, y| along(x).total_cmp(&along(y)));
         samples
     }
+}
+
+/// By how much a parameter's value changes from one discretisation to a finer one, in parts of its size.
+pub fn moved(axis: Coordinate, here: f64, fine: f64) -> f64 {
+    let least = if axis.logarithmic { 0.0 } else { SMALLEST * axis.width };
+    (fine - here).abs() / here.abs().max(least)
 }

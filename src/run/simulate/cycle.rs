@@ -40,19 +40,18 @@ impl Simulation<'_> {
             last.u.clone_from(&first.u);
         }
         let n = cycle.at.len();
-        let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
         let state = Array { shape: vec![nodes.len(), n], data: nodes.iter().flat_map(|node| node.u.clone()).collect() };
         let mut point = self.point(Kind::LC, p, &cycle.at);
         // A motion knows nothing of its neighbours at other parameters.
         let tangent = Array { shape: state.shape.clone(), data: vec![0.0; state.data.len()] };
         point.arrays.extend([
             ("tangent".to_owned(), tangent),
-            ("tangent_part_lambda".to_owned(), vector(vec![0.0, 1.0])),
+            ("tangent_part_lambda".to_owned(), Array::vector(vec![0.0, 1.0])),
             ("state".to_owned(), state),
-            ("mesh".to_owned(), vector(mesh)),
-            ("degree_parts".to_owned(), vector(vec![DEGREE as f64, 1.0])),
-            ("part".to_owned(), vector(vec![cycle.period])),
-            ("gauss_free".to_owned(), vector(vec![0.0, self.prepared.free as f64])),
+            ("mesh".to_owned(), Array::vector(mesh)),
+            ("degree_parts".to_owned(), Array::vector(vec![DEGREE as f64, 1.0])),
+            ("part".to_owned(), Array::vector(vec![cycle.period])),
+            ("gauss_free".to_owned(), Array::vector(vec![0.0, self.prepared.free as f64])),
         ]);
         let list = problem.observables();
         let names =

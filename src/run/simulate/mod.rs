@@ -9,7 +9,7 @@ use super::study::Prepared;
 use super::watch::Watch;
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::Counts;
-use crate::linalg::pencil;
+use crate::linalg::{pencil, shifted};
 use crate::problem::{At, Problem};
 use crate::scene::{self, Happening, Start};
 use crate::simulate::{
@@ -27,8 +27,6 @@ pub const VALUES: [&str; 6] = ["t", "event", "period", "frequency", "rotation", 
 enum TaskError {
     #[error("the start of {0} has no state")]
     Stored(String),
-    #[error("start has {found} numbers, but the model has {wanted} unknowns")]
-    Length { found: usize, wanted: usize },
     #[error("the perturbation's eigenmode could not be computed at the start")]
     Mode,
     #[error(transparent)]
@@ -68,15 +66,7 @@ pub fn empty(prepared: &Prepared, name: &str, task: &scene::Simulate) -> Branch 
     }
     let free = vec![columns[0].0.clone()];
     let columns = columns.into_iter().map(|(name, unit)| Column { name, unit }).collect();
-    Branch {
-        name: name.to_owned(),
-        kind: BranchKind::Simulation,
-        free,
-        columns,
-        rows: Vec::new(),
-        points: Vec::new(),
-        triangles: Vec::new(),
-    }
+    Branch::new(name, BranchKind::Simulation, free, columns)
 }
 
 pub fn run(
@@ -128,9 +118,6 @@ impl Simulation<'_> {
             (None, Some((u, _))) => u[..n].to_vec(),
             (None, None) => problem.start(&p),
         };
-        if u.len() != n {
-            return Err(TaskError::Length { found: u.len(), wanted: n });
-        }
         if let Some(amplitude) = self.task.amplitude {
             let mode = match from.and_then(|point| point.arrays.get("q_re")) {
                 Some(mode) if mode.data.len() == n => mode.data.clone(),
@@ -227,7 +214,7 @@ impl Simulation<'_> {
         if stopped {
             return Ok((Status::Interrupted, "interrupted".to_owned()));
         }
-        let mut reason = self.name(&settled)?;
+        let mut reason = self.name(&settled);
         if let Some((k, motion)) = ended {
             let Happening { of, value, .. } = &self.task.events[k];
             reason = format!("stopped where {of} = {value}, event {}, at t = {:.9}", k + 1, motion.t);
@@ -248,7 +235,7 @@ impl Simulation<'_> {
     /// Motions at one value after another, each from where the last one ended.
     fn diagram(&mut self, mut u: Vec<f64>, mut p: Vec<f64>, values: &[f64]) -> Result<(Status, String), TaskError> {
         let [from, to] = self.task.time;
-        let mut reasons: Vec<String> = Vec::new();
+        let mut reason = String::new();
         for (k, &value) in values.iter().enumerate() {
             p[self.prepared.free] = value;
             let course = Course::steady(from, to, &p);
@@ -287,7 +274,7 @@ impl Simulation<'_> {
             }
             row.resize(self.branch.columns.len(), None);
             self.branch.rows.push(Row { label: None, stable: None, values: row });
-            reasons.push(self.name(&settled)?);
+            reason = self.name(&settled);
             if let Attractor::Cycle(cycle) = &settled.attractor {
                 self.cycle(cycle, &p)?;
             }
@@ -295,14 +282,13 @@ impl Simulation<'_> {
         }
         let end = self.point(Kind::EP, &p, &u);
         self.store(end);
-        reasons.dedup();
-        Ok((Status::Done, reasons.pop().unwrap_or_default()))
+        Ok((Status::Done, reason))
     }
 
     /// What was recognised, in a sentence.
-    fn name(&self, settled: &Settled) -> Result<String, TaskError> {
+    fn name(&self, settled: &Settled) -> String {
         let unit = self.prepared.problem.time_unit();
-        Ok(match &settled.attractor {
+        match &settled.attractor {
             Attractor::Steady => "settled on a steady state".to_owned(),
             Attractor::Cycle(cycle) => {
                 format!("settled on a cycle of period {:.9} {unit}", cycle.period).trim_end().to_owned()
@@ -316,7 +302,7 @@ impl Simulation<'_> {
                 format!("reached the end of the time without settling ({returns} returns to the last section)")
             }
             Attractor::Unknown => "reached the end of the time".to_owned(),
-        })
+        }
     }
 
     /// What is looked for along the motion.
@@ -349,9 +335,10 @@ impl Simulation<'_> {
         let resolved = self.prepared.problem.resolve(p);
         let list = self.prepared.problem.parameters();
         point.parameters = list.iter().zip(&resolved).map(|(q, &x)| (q.name.to_owned(), x)).collect();
-        let vector = |data: Vec<f64>| Array { shape: vec![data.len()], data };
-        point.arrays =
-            BTreeMap::from([("state".to_owned(), vector(u.to_vec())), ("parameters".to_owned(), vector(resolved))]);
+        point.arrays = BTreeMap::from([
+            ("state".to_owned(), Array::vector(u.to_vec())),
+            ("parameters".to_owned(), Array::vector(resolved)),
+        ]);
         point
     }
 
@@ -369,7 +356,7 @@ fn leading(problem: &dyn Problem, u: &[f64], p: &[f64]) -> Option<Vec<f64>> {
     let rest = vec![0.0; u.len()];
     let (a, m) = problem.linearised(At { u, v: &rest, p });
     let shift = a.norm_max() / m.norm_max();
-    let pairs = pencil(a.as_ref(), m.as_ref(), shift, 1).ok()?;
+    let pairs = shifted(shift, |shift| pencil(a.as_ref(), m.as_ref(), shift, 1)).ok()?;
     let vector = &pairs.first()?.vector;
     Some(vector.iter().map(|q| q.re).collect())
 }

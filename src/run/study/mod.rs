@@ -8,7 +8,7 @@ use crate::models::text::Text;
 use crate::models::{self, Choice, Options};
 use crate::problem::{Automatic, Default, Observable, Problem, Tie, Tied};
 use crate::scene::{
-    self, Expression, Fault, OptionValue, Place, Scene, SceneError, Start, Task, TaskKind, Value, units,
+    self, Expression, Fault, OptionValue, Place, Scene, SceneError, Start, Task, TaskKind, Value, owner, units,
 };
 use num_dual::{Dual64, HyperDual64};
 use std::collections::BTreeSet;
@@ -77,7 +77,7 @@ pub struct Prepared {
     pub observables: Vec<usize>,
     /// Means and norms wanted of cycles.
     pub averages: Vec<cycles::Average>,
-    /// Labels ("UZ1") whose waveform a figure draws.
+    /// Labels ("beat/UZ1") of the task's points whose waveform a figure draws.
     pub waves: BTreeSet<String>,
 }
 
@@ -301,15 +301,11 @@ impl Study {
             }
             self.check_start(scene, &problem.resolve(&p))?;
         }
-        if varies {
-            p[free] = self.values[free];
-        }
+        freed.iter().for_each(|&free| p[free] = self.values[free]);
         let (observables, averages) = self.wanted(scene, task)?;
-        let waves = scene
-            .figures
-            .iter()
-            .filter_map(|figure| figure.point.as_deref()?.strip_prefix(&format!("{}/", task.name)).map(str::to_owned))
-            .collect();
+        let drawn = scene.figures.iter().filter_map(|figure| figure.point.as_deref());
+        let waves = drawn.filter(|point| owner(&scene.tasks, point).is_some_and(|owner| owner.name == task.name));
+        let waves = waves.map(str::to_owned).collect();
         Ok(Prepared {
             problem: Arc::new(problem),
             p,
@@ -341,7 +337,8 @@ impl Study {
             } else if names.is_empty() {
                 return Err(scene.refuse(at, "the unknowns of this model have no names, so that no state can be given"));
             } else if !names.contains(name) {
-                let known = names.iter().map(String::as_str).chain([along.free.as_str()]);
+                let free = wanted::varied(&along.free).filter(|_| !matches!(task.kind, TaskKind::Simulate(_)));
+                let known = names.iter().map(String::as_str).chain(free);
                 return Err(scene.fault(at, Fault::unknown("unknown of the model", name, known)));
             }
         }

@@ -44,7 +44,8 @@ impl Study {
                 }
                 None if column || parameter => Ok(()),
                 None => {
-                    let known = list.iter().map(|o| o.name).chain(own.iter().copied()).chain([along.free.as_str()]);
+                    let free = varied(&along.free);
+                    let known = list.iter().map(|o| o.name).chain(own.iter().copied()).chain(free);
                     Err(scene.fault(at, Fault::unknown("observable or column", name, known)))
                 }
             }
@@ -82,7 +83,7 @@ impl Study {
         };
         for name in along.values.keys().filter(|name| **name != along.free) {
             if !columns.contains(name) {
-                let known = std::iter::once(along.free.as_str()).chain(columns.iter().map(String::as_str));
+                let known = varied(&along.free).chain(columns.iter().map(String::as_str));
                 return Err(scene.fault(&place("values"), Fault::unknown("column to find values on", name, known)));
             }
             note(name, &place("values"))?;
@@ -92,10 +93,7 @@ impl Study {
                 note(name, &figure.at)?;
             }
         }
-        let own = |label: &str| {
-            let branch = label.split('/').next().unwrap_or_default();
-            owner(&scene.tasks, branch).is_some_and(|found| found.name == task.name)
-        };
+        let own = |label: &str| owner(&scene.tasks, label).is_some_and(|found| found.name == task.name);
         for expect in scene.expect.iter().filter(|e| own(&e.label)) {
             note(&expect.quantity, &expect.at)?;
         }
@@ -114,6 +112,11 @@ impl Study {
         self.check_guesses(scene, task)?;
         Ok((wanted.into_iter().collect(), averages.into_iter().collect()))
     }
+}
+
+/// The free parameter, where there is one.
+pub(super) fn varied(free: &str) -> impl Iterator<Item = &str> {
+    Some(free).filter(|free| !free.is_empty()).into_iter()
 }
 
 /// Columns that spectra, multipliers, drift and logarithmic parameters bring.

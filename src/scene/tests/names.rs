@@ -34,7 +34,7 @@ fn names_and_references_are_checked() {
         (
             "from = \"straight/HB1\"",
             "from = \"straight\"",
-            "26: task.beat.from: \"straight\" is not a label; write TASK/KINDn, for example \"straight/HB1\", with KIND one of HB, LP, BP, KC, XP, UZ, EP, GH, BT, ZH, HH and n counting from 1",
+            "26: task.beat.from: \"straight\" is not a label; write TASK/KINDn, for example \"straight/HB1\", with KIND one of HB, LP, BP, KC, XP, UZ, EP, LC, EV, GH, BT, ZH, HH, CP, LPC, PD, NS, BPC, CPC, GPD, CH, R1, R2, R3, R4, LPPD, LPNS, PDNS, GBPC, LPBP, BPNS and n counting from 1",
         ),
         (
             "from = \"straight/HB1\"\n",
@@ -45,6 +45,11 @@ fn names_and_references_are_checked() {
             "detect = [\"HB\"]",
             "detect = [\"LP\"]",
             "26: task.beat.from: the task \"straight\" finds no HB points; give it detect = [\"LP\", \"HB\"]",
+        ),
+        (
+            "point = \"beat/UZ2\"",
+            "point = \"straight/EV1\"",
+            "53: figure.beat.point: the task \"straight\" finds no EV points (events of motions: kind = \"simulate\")",
         ),
         (
             "point = \"beat/UZ2\"",
@@ -64,7 +69,7 @@ fn names_and_references_are_checked() {
         (
             "\"beat/UZ1\".\"max",
             "\"beat/UZ0\".\"max",
-            "58: expect.beat/UZ0: \"beat/UZ0\" is not a label; write TASK/KINDn, for example \"straight/HB1\", with KIND one of HB, LP, BP, KC, XP, UZ, EP, GH, BT, ZH, HH and n counting from 1",
+            "58: expect.beat/UZ0: \"beat/UZ0\" is not a label; write TASK/KINDn, for example \"straight/HB1\", with KIND one of HB, LP, BP, KC, XP, UZ, EP, LC, EV, GH, BT, ZH, HH, CP, LPC, PD, NS, BPC, CPC, GPD, CH, R1, R2, R3, R4, LPPD, LPNS, PDNS, GBPC, LPBP, BPNS and n counting from 1",
         ),
     ]);
     // The same through a second [[task]] of the name, which takes the place of the first in no silent way.
