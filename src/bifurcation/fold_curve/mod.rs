@@ -19,7 +19,7 @@ pub use segment::{FoldSegment, FoldTest};
 
 use super::Coordinate;
 use super::steady::{Steady, unit};
-use crate::continuation::{Border, Counts, Failure, Point, System, correct, inner};
+use crate::continuation::{Border, Counts, Failure, Point, System, correct, normalise};
 use crate::linalg::{Singular, c64, dot, pencil};
 use crate::problem::{At, Direction, Problem};
 use faer::Mat;
@@ -176,11 +176,7 @@ impl System for FoldCurve {
         if let Ok((q, w, _)) = self.kernel(point) {
             (self.gamma, self.beta) = (unit(&q), unit(&w));
         }
-        let length = inner(self, (&point.tangent, point.tangent_lambda), (&point.tangent, point.tangent_lambda)).sqrt();
-        if length > 0.0 {
-            point.tangent.iter_mut().for_each(|t| *t /= length);
-            point.tangent_lambda /= length;
-        }
+        normalise(self, point);
         false
     }
 }

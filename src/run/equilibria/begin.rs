@@ -89,7 +89,7 @@ fn fresh(
     system.scale_state = scale(&u);
     let border = Border { row: vec![0.0; u.len()], lambda: 1.0 };
     let first = correct(&system, (u, begin), &border, counts)?;
-    Ok((system, (first.point, Some(first.factors.sign()))))
+    Ok((system, (first.point, first.factors.sign())))
 }
 
 /// From a stored point: the other branch where it is a branch point in the same parameter, and else the branch through it.
@@ -152,9 +152,9 @@ fn through(
     let (mut point, mut sign) = (corrected.point, corrected.factors.sign());
     if point.tangent_lambda < 0.0 {
         crate::bifurcation::reverse(&mut point);
-        sign = -sign;
+        sign = sign.map(|sign| -sign);
     }
-    Ok((point, Some(sign)))
+    Ok((point, sign))
 }
 
 fn system(prepared: &Prepared, task: &scene::Equilibria, p: Vec<f64>, coordinate: Coordinate) -> Equilibria {
