@@ -6,19 +6,26 @@ use crate::continuation::{Counts, Failure, Point, at_fraction, crossing, inner};
 /// Folds: the tangent's parameter component changes sign. They are solved for on their defining system.
 pub fn folds(system: &Equilibria, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
     let index = system.coordinate.index;
+    // The last sample that is not a fold by chance.
+    let mut last = 0;
     let mut i = 1;
     while i < samples.len() {
-        let (a, b) = (&samples[i - 1].point, &samples[i].point);
+        let (a, b) = (&samples[last].point, &samples[i].point);
+        if b.tangent_lambda != 0.0 {
+            last = i;
+        }
         if a.tangent_lambda * b.tangent_lambda < 0.0 {
             let mut point = crossing(system, (a, b), &|point: &Point| point.tangent_lambda, counts)?;
             let near = (&point.x[..], &system.parameters(point.lambda)[..]);
-            let fold = Fold::locate(&*system.problem, near, index, &point.tangent).ok().map(Box::new);
+            let place = (index, scales(system, point.lambda).parameter);
+            let fold = Fold::locate(&*system.problem, near, place, &point.tangent).ok().map(Box::new);
             if let Some(fold) = &fold {
                 point.x.copy_from_slice(&fold.u);
                 point.lambda = system.coordinate.of(fold.p[index]);
             }
             samples.insert(i, Sample::new(point, Some(Mark::Fold(fold))));
             i += 1;
+            last = i;
         }
         i += 1;
     }
@@ -42,11 +49,13 @@ pub fn branch_points(
 ) -> Vec<String> {
     let mut doubts = Vec::new();
     for i in (1..samples.len()).rev() {
-        let (Some(before), Some(after)) = (signs[i - 1], signs[i]) else { continue };
+        // At a sample that is a branch point by chance the sign is not known.
+        let known = (0..i).rev().find_map(|j| Some((j, signs[j]?)));
+        let (Some((j, before)), Some(after)) = (known, signs[i]) else { continue };
         if before == after {
             continue;
         }
-        let ends = (&samples[i - 1].point, &samples[i].point);
+        let ends = (&samples[j].point, &samples[i].point);
         match between(system, ends, before, counts) {
             Ok(sample) => samples.insert(i, sample),
             Err(reason) => doubts.push(format!(
@@ -80,11 +89,13 @@ fn between(
         }
         // The middle may happen to be the branch point.
         let near = [0.5, 0.45, 0.6];
-        let Some(middle) = near.iter().find_map(|&part| at_fraction(system, (&a, &b), part, counts).ok()) else {
-            break;
-        };
-        let other = if middle.factors.sign() == before { &mut a } else { &mut b };
-        *other = middle.point;
+        let middle = near.iter().find_map(|&part| {
+            let middle = at_fraction(system, (&a, &b), part, counts).ok()?;
+            Some((middle.factors.sign()?, middle.point))
+        });
+        let Some((sign, middle)) = middle else { break };
+        let other = if sign == before { &mut a } else { &mut b };
+        *other = middle;
     }
     Err(reason)
 }
