@@ -164,3 +164,30 @@ fn a_logarithm_needs_positive_ends() {
     refused("free = \"k_N\"\nrange = [1, 1e4]\nlog = [\"k_T\"]", "unknown free parameter \"k_T\"");
     refused("free = \"k_N\"\nrange = [1, 1e4]\nlog = 3", "list of free parameters");
 }
+
+/// Its normal form does not exist: the pair is seen to cross, and the log says that no Hopf point explains it.
+#[test]
+fn a_pair_that_crosses_without_a_hopf_point_is_said_to() {
+    let text = r#"
+[model]
+equations = """
+x' = mu*x - y + (x^2)^1.25*y
+y' = x + mu*y
+"""
+[model.parameters]
+mu = -0.5
+[[task]]
+name = "rest"
+kind = "equilibria"
+free = "mu"
+range = [-1, 1]
+detect = ["HB"]
+"#;
+    let out = tempfile::tempdir().unwrap();
+    let options = RunOptions { out: out.path().to_owned(), only: Vec::new(), resume: false, quiet: true };
+    let scene = Scene::parse(text, std::path::Path::new("crossing.toml"), &[]).unwrap();
+    let summary = run(&scene, &options).unwrap();
+    assert!(summary.points.iter().all(|point| !point.label.contains("/HB")));
+    let log = std::fs::read_to_string(out.path().join("crossing/run.log")).unwrap();
+    assert!(log.contains("the number of growing eigenvalues goes from 0 to 2"), "{log}");
+}
