@@ -172,7 +172,8 @@ impl BranchPoint {
         let [a, b, c] = [by[0][0], 0.5 * (by[0][1] + by[1][0]), by[1][1]];
         let discriminant = b * b - a * c;
         let mut tangents: Vec<Point> = Vec::new();
-        if discriminant > 0.0 {
+        // Less is rounding of two equal tangents.
+        if discriminant > 1e-10 * (b * b + a.abs().max(c.abs()).powi(2)) {
             // The two roots without cancellation.
             let root = b + b.signum() * discriminant.sqrt();
             for s in [[root, -a], [c, -root]] {
