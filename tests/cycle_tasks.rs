@@ -179,3 +179,77 @@ fn what_cannot_be_is_refused() {
     refused("roessler", &["task.doublings.from=\"one/LPC1\""], "give it detect = [\"PD\", \"LPC\"]");
     refused("roessler", &["task.two.range=[0.2, 0.25]"], "one/PD1 at a = 0.147");
 }
+
+/// Two humps of 1 and 1.001, between samples.
+#[test]
+fn the_larger_of_two_humps_is_the_maximum() {
+    let text = r#"
+[model]
+equations = """
+x' = mu*x - y - x*(x^2 + y^2)
+y' = x + mu*y - y*(x^2 + y^2)
+"""
+[model.parameters]
+mu = -0.5
+[model.observables]
+g = "2*x*y + 0.001*(x + y)/sqrt(2)"
+[[task]]
+name = "rest"
+kind = "equilibria"
+free = "mu"
+range = [-1, 1.5]
+detect = ["HB"]
+[[task]]
+name = "cycles"
+kind = "cycles"
+from = "rest/HB1"
+free = "mu"
+range = [-1, 1.5]
+intervals = 9
+errors = false
+observables = ["g"]
+values = { mu = [1.0] }
+"#;
+    for intervals in 9..15 {
+        let summary = summary(text, &[&format!("task.cycles.intervals={intervals}")]).expect("a run");
+        let point = summary.points.iter().find(|point| point.label == "cycles/UZ1").expect("a point");
+        near("max g", point.values["max g"], 1.001, 1e-5);
+    }
+}
+
+/// A state of 1e-10 that is not fixed by the reflection, with cycles of its own size.
+#[test]
+fn small_states_are_no_symmetric_ones() {
+    let text = r#"
+[model]
+symmetry = "x -> -x, y -> -y"
+equations = """
+x' = y
+y' = x - 1e20*x^3 + (mu - 1e20*x^2)*y
+"""
+[model.parameters]
+mu = 0.5
+[model.start]
+x = 1e-10
+[[task]]
+name = "rest"
+kind = "equilibria"
+free = "mu"
+range = [0.5, 1.5]
+start = 0.5
+detect = ["HB"]
+[[task]]
+name = "cycles"
+kind = "cycles"
+from = "rest/HB1"
+free = "mu"
+range = [0.5, 1.5]
+errors = false
+max_points = 3
+observables = ["x"]
+"#;
+    let summary = summary(text, &[]).expect("a run");
+    let end = summary.points.iter().find(|point| point.label == "cycles/EP2").expect("an end");
+    // Around x = 1e-10, not around both equilibria.
+    assert!(end.values["min x"] > 0.0, "{end:?}");
+}
