@@ -448,21 +448,3 @@ fn a_fold_at_zero_has_its_normal_form() {
     assert!(fold.parameters["mu"].abs() < 1e-12, "{fold:?}");
     close("a", fold.values["lp_a"], 0.5, 1e-9);
 }
-
-/// There the tangent's entry for the parameter is exactly zero.
-#[test]
-fn a_fold_may_be_an_accepted_point() {
-    struct Parabola;
-    impl Field for Parabola {
-        const DIM: usize = 1;
-        fn at<S: Scalar>(&self, u: &[S], p: S) -> Vec<S> {
-            vec![p - u[0] * u[0]]
-        }
-    }
-    let system = system(problem(Parabola, 0.0), (-1.0, 1.0));
-    let at = |x: f64| Point { x: vec![x], lambda: x * x, tangent: vec![1.0], tangent_lambda: 2.0 * x };
-    let mut samples: Vec<Sample> = [-0.1, 0.0, 0.1].map(|x| Sample::new(at(x), None)).into();
-    folds(&system, &mut samples, &mut Counts::default()).unwrap();
-    let found: Vec<f64> = samples.iter().filter(|s| s.mark.is_some()).map(|s| s.point.lambda).collect();
-    assert!(found.len() == 1 && found[0].abs() < 1e-15, "{found:?}");
-}

@@ -3,17 +3,13 @@
 use super::{BranchError, BranchPoint, Equilibria, Fold, Mark, Sample, Scales, Tangent};
 use crate::continuation::{Counts, Failure, Point, at_fraction, crossing, inner};
 
-/// Folds: the tangent's parameter component changes sign. They are solved for on their defining system.
+/// Folds: the tangent's parameter component changes sign. They are solved for on their defining system. Where it is exactly
+/// zero a branch starts at a pitchfork, which is no fold of its arms.
 pub fn folds(system: &Equilibria, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
     let index = system.coordinate.index;
-    // The last sample that is not a fold by chance.
-    let mut last = 0;
     let mut i = 1;
     while i < samples.len() {
-        let (a, b) = (&samples[last].point, &samples[i].point);
-        if b.tangent_lambda != 0.0 {
-            last = i;
-        }
+        let (a, b) = (&samples[i - 1].point, &samples[i].point);
         if a.tangent_lambda * b.tangent_lambda < 0.0 {
             let mut point = crossing(system, (a, b), &|point: &Point| point.tangent_lambda, counts)?;
             let near = (&point.x[..], &system.parameters(point.lambda)[..]);
@@ -25,7 +21,6 @@ pub fn folds(system: &Equilibria, samples: &mut Vec<Sample>, counts: &mut Counts
             }
             samples.insert(i, Sample::new(point, Some(Mark::Fold(fold))));
             i += 1;
-            last = i;
         }
         i += 1;
     }
