@@ -245,11 +245,11 @@ from = "rest/HB1"
 free = "mu"
 range = [0.5, 1.5]
 errors = false
-max_points = 3
+values = { mu = [0.9] }
 observables = ["x"]
 "#;
     let summary = summary(text, &[]).expect("a run");
-    let end = summary.points.iter().find(|point| point.label == "cycles/EP2").expect("an end");
+    let cycle = summary.points.iter().find(|point| point.label == "cycles/UZ1").expect("a cycle");
     // Around x = 1e-10, not around both equilibria.
-    assert!(end.values["min x"] > 0.0, "{end:?}");
+    assert!(cycle.values["min x"] > 0.0, "{cycle:?}");
 }

@@ -92,7 +92,7 @@ TOLERANCE
         let summary = run(&scene, &options).unwrap();
         let reason = &summary.tasks[1].reason;
         assert!(reason.contains("the period grows without bound"), "{reason}");
-        let end = summary.points.iter().find(|point| point.label == "cycles/EP2").unwrap();
+        let end = summary.points.iter().find(|point| point.label == "cycles/EP1").unwrap();
         end.values["homoclinic"]
     });
     close("mu", ends[0], ends[1], 1e-5);
