@@ -32,7 +32,8 @@ pub struct Hopf {
     /// Relative perturbations delta of all entries of G_u and G_v move the eigenvalue i omega by at most
     /// `condition delta omega` to first order,
     /// `condition = |w|^T (|G_u| + omega |G_v|) |q| / (omega |w^H M q|)` (Higham and Higham 1998,
-    /// doi:10.1137/S0895479896313188): large where the eigenvectors are far from orthogonal.
+    /// doi:10.1137/S0895479896313188): large where the eigenvectors are far from orthogonal. Entries that are sums of larger
+    /// terms are perturbed by more than a part of themselves: for these it is a lower bound.
     pub condition: f64,
 }
 

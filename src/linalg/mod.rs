@@ -17,7 +17,7 @@ mod sparse;
 
 pub use banded::{Banded, BandedLu, LANES};
 pub use bordered::{BorderedMatrix, BorderedPencil};
-pub use direction::{any, norm, unit};
+pub use direction::{any, norm, real_direction, unit};
 pub use eigen::{Eigenpair, growth, pencil};
 pub use equilibrated::Equilibrated;
 pub use factors::{Factors, PencilFactors};

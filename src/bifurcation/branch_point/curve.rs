@@ -13,10 +13,9 @@
 //! they would if the problem were changed by beta b. The solution of the linear system is by block elimination.
 
 use super::{Frame, Place, Scales};
-use crate::bifurcation::steady::unit;
 use crate::bifurcation::{Coordinate, Locus, Segment};
 use crate::continuation::{Border, Counts, Factored, Failure, Point, System, correct, normalise};
-use crate::linalg::{Lu, Singular, dot};
+use crate::linalg::{Lu, Singular, dot, unit};
 use crate::problem::{At, Direction, Problem};
 use faer::Mat;
 use std::sync::Arc;

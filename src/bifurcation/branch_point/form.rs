@@ -1,8 +1,8 @@
 //! The normal form at a branch point.
 
 use super::{Place, Tangent};
-use crate::bifurcation::steady::{Steady, positive, unit};
-use crate::linalg::{Matrix, Singular, dot};
+use crate::bifurcation::steady::{Steady, positive};
+use crate::linalg::{Matrix, Singular, dot, unit};
 use crate::problem::{At, Direction};
 
 /// On the centre manifold, `u = u_0 + x q + m v + ...`, m the deviation of the parameter and (v, 1) the tangent of one of

@@ -3,7 +3,7 @@
 use crate::bifurcation::{Coordinate, Equilibria, Tangent, leaving};
 use crate::branch::{Kind, SpecialPoint};
 use crate::continuation::{Border, Counts, Failure, Point, System, correct, inner};
-use crate::linalg::Singular;
+use crate::linalg::{Singular, any};
 use crate::problem::Problem;
 use crate::run::start::{StartError, coordinate, equilibrium};
 use crate::run::study::Prepared;
@@ -131,7 +131,7 @@ fn through(
     counts: &mut Counts,
 ) -> Result<(Point, Option<f64>), Failure> {
     let n = u.len();
-    let any: Vec<f64> = (0..n).map(|i| 1.0 + (7 * i % 5) as f64).collect();
+    let any = any(n);
     let length = inner(system, (&any, 0.0), (&any, 0.0)).sqrt();
     let row = system.dual(&any).iter().map(|x| x / length).collect();
     let mut border = Border { row, lambda: 1.0 / system.coordinate.width };
