@@ -126,7 +126,7 @@ impl Orbit {
         sum / self.parts as f64
     }
 
-    /// The largest and smallest value of a functional over the whole period: sampled [`SAMPLES`] times per node, then
+    /// The largest and smallest value of a functional over the whole period: sampled at all nodes, then
     /// refined by Brent's method wherever the samples do not rule out that the extremum is there.
     pub fn extremes(&self, problem: &dyn Problem, observable: usize, p: &[f64], symmetry: &Reflection) -> Extremes {
         let scheme = self.scheme();
@@ -134,9 +134,7 @@ impl Orbit {
             self.add_drift(problem, &u, &mut v);
             problem.observe(observable, At { u: &u, v: &v, p })
         };
-        let places: Vec<f64> = (scheme.nodes.windows(2))
-            .flat_map(|w| (0..SAMPLES).map(move |k| w[0] + (w[1] - w[0]) * k as f64 / SAMPLES as f64))
-            .collect();
+        let places = &scheme.nodes[..self.degree];
         let weights: Vec<_> = places.iter().map(|&x| (scheme.values_at(x), scheme.slopes_at(x))).collect();
         let (mut times, mut values) = (Vec::new(), Vec::new());
         for part in 0..self.parts {
@@ -155,10 +153,8 @@ impl Orbit {
     }
 }
 
-/// Samples of an observable per node of the orbit.
-const SAMPLES: usize = 2;
 /// A minimum between samples may be deeper than the parabola through them has it by this part of its depth.
-const DEEPER: f64 = 0.5;
+const DEEPER: f64 = 1.0;
 
 /// u and u' after some of the period's parts.
 fn reflected((mut u, mut v): (Vec<f64>, Vec<f64>), parts: i64, symmetry: &Reflection) -> (Vec<f64>, Vec<f64>) {
