@@ -13,7 +13,7 @@ pub fn folds(system: &Equilibria, samples: &mut Vec<Sample>, counts: &mut Counts
         if a.tangent_lambda * b.tangent_lambda < 0.0 {
             let mut point = crossing(system, (a, b), &|point: &Point| point.tangent_lambda, counts)?;
             let near = (&point.x[..], &system.parameters(point.lambda)[..]);
-            let place = (index, scales(system, point.lambda).parameter);
+            let place = (index, scales(system, point.lambda));
             let fold = Fold::locate(&*system.problem, near, place, &point.tangent).ok().map(Box::new);
             if let Some(fold) = &fold {
                 point.x.copy_from_slice(&fold.u);
@@ -44,13 +44,11 @@ pub fn branch_points(
 ) -> Vec<String> {
     let mut doubts = Vec::new();
     for i in (1..samples.len()).rev() {
-        // At a sample that is a branch point by chance the sign is not known.
-        let known = (0..i).rev().find_map(|j| Some((j, signs[j]?)));
-        let (Some((j, before)), Some(after)) = (known, signs[i]) else { continue };
+        let (Some(before), Some(after)) = (signs[i - 1], signs[i]) else { continue };
         if before == after {
             continue;
         }
-        let ends = (&samples[j].point, &samples[i].point);
+        let ends = (&samples[i - 1].point, &samples[i].point);
         match between(system, ends, before, counts) {
             Ok(sample) => samples.insert(i, sample),
             Err(reason) => doubts.push(format!(

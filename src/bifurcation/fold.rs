@@ -10,6 +10,7 @@
 //! (Kuznetsov 2004, doi:10.1007/978-1-4757-3978-7, section 5.4; written for the implicit form). The sign of q, and with
 //! it that of both coefficients, is such that its largest entry is positive.
 
+use super::Scales;
 use super::steady::{Steady, adjoint, positive};
 use crate::continuation::Failure;
 use crate::linalg::{Lu, Matrix, any, dot, finite, norm, unit};
@@ -34,12 +35,11 @@ pub struct Fold {
 const MOST_STEPS: usize = 25;
 
 impl Fold {
-    /// Solves for a fold near (u, p) with `p[free]` unknown, of which `width` counts as much; `near` is a vector close to
-    /// the kernel, such as the tangent.
+    /// Solves for a fold near (u, p) with `p[free]` unknown; `near` is a vector close to the kernel, such as the tangent.
     pub fn locate(
         problem: &dyn Problem,
         (u, p): (&[f64], &[f64]),
-        (free, width): (usize, f64),
+        (free, scales): (usize, Scales),
         near: &[f64],
     ) -> Result<Self, Failure> {
         let n = u.len();
@@ -48,8 +48,8 @@ impl Fold {
         let (mut gamma, mut beta) = (unit(near), unit(&any(n)));
         let mut e = vec![0.0; p.len()];
         e[free] = 1.0;
-        let (mut size_p, mut size_u) = (width, norm(&u));
-        let (mut last, mut last_moved) = (f64::INFINITY, f64::INFINITY);
+        let (mut size_p, mut size_u) = (scales.parameter, scales.state);
+        let mut last = f64::INFINITY;
         for step in 0..MOST_STEPS {
             let at = At { u: &u, v: &rest, p: &p };
             let (gu, gv) = problem.matrices(at);
@@ -95,14 +95,12 @@ impl Fold {
             u.iter_mut().zip(&du).for_each(|(u, d)| *u += d);
             p[free] += dp;
             (size_p, size_u) = (size_p.max(p[free].abs()), size_u.max(norm(&u)));
-            let (size, moved) = ((dp / size_p).abs(), norm(&du));
-            // The state may be zero but for rounding, which shrinks no more.
-            let settled = moved <= 1e-15 * size_u || moved > 0.3 * last_moved;
+            let size = (dp / size_p).abs().max(norm(&du) / size_u);
             (gamma, beta) = (unit(&q), unit(&w));
-            if settled && (size < 1e-15 || (size < 1e-8 && step > 1 && size > 0.3 * last)) {
+            if size < 1e-15 || (size < 1e-8 && step > 1 && size > 0.3 * last) {
                 return Ok(Self::formed(problem, (u, p), (&q, &w), (&gv, &e), dp.abs()));
             }
-            (last, last_moved) = (size, moved);
+            last = size;
         }
         Err(Failure::Diverged(last))
     }
