@@ -13,7 +13,7 @@ pub fn folds(system: &Equilibria, samples: &mut Vec<Sample>, counts: &mut Counts
         if a.tangent_lambda * b.tangent_lambda < 0.0 {
             let mut point = crossing(system, (a, b), &|point: &Point| point.tangent_lambda, counts)?;
             let near = (&point.x[..], &system.parameters(point.lambda)[..]);
-            let place = (index, scales(system, point.lambda));
+            let place = (index, scales(system, point.lambda).parameter);
             let fold = Fold::locate(&*system.problem, near, place, &point.tangent).ok().map(Box::new);
             if let Some(fold) = &fold {
                 point.x.copy_from_slice(&fold.u);

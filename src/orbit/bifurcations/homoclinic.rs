@@ -13,7 +13,7 @@
 //! doi:10.1007/BF01010828; Kuznetsov 2004, doi:10.1007/978-1-4757-3978-7, sections 6.2 and 7.1). Two witnesses must agree:
 //! what the periods say, and the equilibrium itself with its eigenvalues, or as a fold of equilibria (SNIC).
 
-use crate::bifurcation::{Fold, Scales};
+use crate::bifurcation::Fold;
 use crate::continuation::Point;
 use crate::linalg::{Lu, c64, dot, finite, norm, pencil};
 use crate::orbit::{Collocation, Orbit};
@@ -134,9 +134,7 @@ fn saddle_node(passages: &[Passage], (system, point): (&Collocation, &Point)) ->
     let (u, v) = slowest(&system.orbit(&point.x));
     let (free, mut p) = (system.frame.free, system.frame.p.clone());
     p[free] = place;
-    let state = system.frame.scale_state * (u.len() as f64).sqrt();
-    let scales = Scales { state, parameter: system.frame.scale_lambda };
-    let fold = Fold::locate(&*system.frame.problem, (&u, &p), (free, scales), &v).ok()?;
+    let fold = Fold::locate(&*system.frame.problem, (&u, &p), (free, system.frame.scale_lambda), &v).ok()?;
     let lambda = fold.p[free];
     let agree = (lambda - place).abs() < SAME * (third.lambda - lambda).abs();
     let error = fold.rounding.abs().max(4.0 * f64::EPSILON * lambda.abs());

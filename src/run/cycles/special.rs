@@ -4,10 +4,10 @@ use super::super::equilibria::error;
 use super::Cycles;
 use super::quantities::measure;
 use super::refinement::Fine;
-use crate::bifurcation::{Fold, Scales};
+use crate::bifurcation::Fold;
 use crate::branch::Kind;
 use crate::continuation::{Border, Counts, Point, System, correct, inner};
-use crate::linalg::{c64, norm};
+use crate::linalg::c64;
 use crate::orbit::bifurcations::{
     BranchPoint, Critical, CriticalCycle, CycleNormalForm, Event, Homoclinic, Located, Passed, Segment, Signs,
 };
@@ -191,7 +191,7 @@ impl Cycles<'_> {
         let Some(finer) = self.prepared.problem.refined() else { return Some(fold.p[free]) };
         let start = ((finer.prolong)(&fold.u), (finer.prolong)(&fold.q));
         let range = &self.task.along.range;
-        let place = (free, Scales { state: norm(&start.0), parameter: range.to - range.from });
+        let place = (free, range.to - range.from);
         Some(Fold::locate(&*finer.problem, (&start.0, &fold.p), place, &start.1).ok()?.p[free])
     }
 
