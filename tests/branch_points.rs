@@ -57,7 +57,7 @@ fn follow(system: &Equilibria, (start, sign): (Point, Option<f64>), range: (f64,
     let mut walk = Walk::new(&mut moving, start, StepControl { step: 5e-3, least: 1e-10, most: 0.02 }, range);
     while samples.len() < 500 {
         let step = walk.step().unwrap();
-        signs.push(Some(step.factors.sign()));
+        signs.push(step.factors.sign());
         samples.push(Sample::new(step.to, None));
         if step.stop.is_some() {
             break;
@@ -72,7 +72,7 @@ fn follow(system: &Equilibria, (start, sign): (Point, Option<f64>), range: (f64,
 fn from_state(system: &Equilibria, u: &[f64], p: f64) -> (Point, Option<f64>) {
     let border = Border { row: vec![0.0; u.len()], lambda: 1.0 };
     let found = correct(system, (u.to_vec(), p), &border, &mut Counts::default()).unwrap();
-    (found.point, Some(found.factors.sign()))
+    (found.point, found.factors.sign())
 }
 
 fn branch_point_of(samples: &[Sample]) -> Vec<BranchPoint> {
@@ -463,4 +463,38 @@ fn the_column_follows_the_elastica() {
     }
     let (least, most) = ends.iter().fold((0.0_f64, 0.0_f64), |(a, b), x| (a.min(*x), b.max(*x)));
     assert!(least < -2.5 && most > 2.5, "{least} {most}");
+}
+
+fn fold_scene(equations: &str, start: f64, from: f64) -> String {
+    format!(
+        r#"
+[model]
+equations = """
+{equations}
+"""
+[model.parameters]
+mu = -1
+[model.start]
+x = {start}
+[[task]]
+name = "rest"
+kind = "equilibria"
+free = "mu"
+start = {from}
+range = [-1, 1]
+detect = ["LP"]
+"#
+    )
+}
+
+/// At mu = 0 and x = 0, where parts of both mean nothing.
+#[test]
+fn a_fold_at_zero_has_its_normal_form() {
+    let summary = study(&fold_scene("x' = mu + exp(x) - 1 - x - 0.3*y\ny' = 0.3*x - y", 1.0, -1.0)).unwrap();
+    let fold = summary.points.iter().find(|point| point.label == "rest/LP1").unwrap();
+    assert!(fold.values.contains_key("lp_a"), "{fold:?}");
+    let summary = study(&fold_scene("x' = mu + exp(x) - 1 - x", 1.0, -0.5)).unwrap();
+    let fold = summary.points.iter().find(|point| point.label == "rest/LP1").unwrap();
+    assert!(fold.parameters["mu"].abs() < 1e-12, "{fold:?}");
+    close("a", fold.values["lp_a"], 0.5, 1e-9);
 }

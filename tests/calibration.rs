@@ -392,3 +392,34 @@ fn bad_input_is_named() {
     let both = "free = [\"c_N\", \"EI\"]\nrange = { c_N = [0.001, 0.01], EI = [100, 1000] }\n";
     refused(&format!("{both}targets = {{ omega = 150, frequency = 25 }}"), "no point of the box meets the targets");
 }
+
+/// The Lyapunov coefficient does not exist at any point of the box: the fit says so, and ends.
+#[test]
+fn a_quantity_that_is_not_finite_ends_the_fit() {
+    let text = "
+        [model]
+        equations = \"\"\"
+        x' = mu*x - om*y - x*sqrt(x^2 + 1e-300) - k*x*y^2
+        y' = om*x + mu*y - k*y^3
+        \"\"\"
+        [model.parameters]
+        mu = -0.5
+        om = 1.1
+        k = 1
+        [[task]]
+        name = \"rest\"
+        kind = \"equilibria\"
+        free = \"mu\"
+        range = [-1, 1]
+        detect = [\"HB\"]
+        [[task]]
+        name = \"fit\"
+        kind = \"calibration\"
+        from = \"rest/HB1\"
+        free = [\"k\"]
+        range = { k = [0.5, 20] }
+        targets = { lyapunov = -0.5 }
+        ";
+    let summary = study(text, &[]);
+    assert!(!summary.success());
+}

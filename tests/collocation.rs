@@ -365,7 +365,7 @@ fn the_branch_of_circles_from_a_hopf_point_is_exact_all_along() {
     let problem: Arc<dyn Problem> = Arc::new(Automatic(Circle(vec![parameter("mu", 0.1)])));
     let hopf = hopf_of_pair(&problem, (&[0.0, 0.0], &[0.1]), 0, 10.0, 0);
     let form = HopfNormalForm::new(&*problem, &hopf).expect("a normal form");
-    let symmetry = half_period(&*problem, &hopf).expect("an odd mode");
+    let symmetry = half_period(&*problem, &hopf, 1.0).expect("an odd mode");
     let r = 0.1;
     let (start, lambda) = from_hopf((&hopf, &form), 0, r, (&symmetry, 2), (20, 5, Points::Gauss));
     // |z|² = 2 r² for q of unit length.

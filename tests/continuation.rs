@@ -126,6 +126,45 @@ fn a_fold_beyond_the_range_is_not_seen_and_one_inside_is_passed() {
     near("x", to.x[0], -1.5_f64.sqrt(), 1e-11);
 }
 
+/// The line x = lambda, on which the first solution at a fixed lambda fails, as beside a fold just beyond it.
+struct Hesitant(std::cell::Cell<bool>);
+
+impl System for Hesitant {
+    type Factors = BorderedMatrix;
+
+    fn residual(&self, x: &[f64], lambda: f64, r: &mut [f64]) {
+        r[0] = x[0] - lambda;
+    }
+
+    fn factor(&self, _: &[f64], _: f64, border: &Border) -> Result<BorderedMatrix, Singular> {
+        if border.row == [0.0] && self.0.take() {
+            return Err(Singular);
+        }
+        let one = Matrix::Dense(Mat::from_fn(1, 1, |_, _| 1.0));
+        BorderedMatrix::new(&one, &[&[-1.0]], &[&border.row], &[&[border.lambda]])
+    }
+
+    fn dual(&self, t: &[f64]) -> Vec<f64> {
+        t.to_vec()
+    }
+
+    fn dual_lambda(&self) -> f64 {
+        1.0
+    }
+}
+
+#[test]
+fn an_end_that_is_not_reached_in_one_step_is_reached_in_shorter_ones() {
+    let mut system = Hesitant(std::cell::Cell::new(false));
+    let first = start(&system, 0.0, 0.0);
+    let mut along = Walk::new(&mut system, first, control(0.1, 0.2), (-1.0, 0.5));
+    // One failure at the end, then none.
+    along.system.0.set(true);
+    let (steps, stop) = walk(&mut along, 100);
+    assert_eq!(stop, Stop::RangeEnd);
+    near("lambda", steps[steps.len() - 1].to.lambda, 0.5, 1e-15);
+}
+
 #[test]
 fn a_curve_that_ends_is_followed_to_its_end_and_the_reason_is_said() {
     // x = sqrt(1 - lambda) + lambda: real up to lambda = 1, NaN beyond.

@@ -263,3 +263,77 @@ fn wanted_values_are_found_beside_folds_and_at_the_start() {
     let reason = &summary.tasks.iter().find(|task| task.name == "beyond").expect("a task").reason;
     assert!(reason == "end of the range" || reason.contains("leave the range at once"), "{reason}");
 }
+
+/// Two humps of 1 and 1.001, between samples.
+#[test]
+fn the_larger_of_two_humps_is_the_maximum() {
+    let text = r#"
+[model]
+equations = """
+x' = mu*x - y - x*(x^2 + y^2)
+y' = x + mu*y - y*(x^2 + y^2)
+"""
+[model.parameters]
+mu = -0.5
+[model.observables]
+g = "2*x*y + 0.001*(x + y)/sqrt(2)"
+[[task]]
+name = "rest"
+kind = "equilibria"
+free = "mu"
+range = [-1, 1.5]
+detect = ["HB"]
+[[task]]
+name = "cycles"
+kind = "cycles"
+from = "rest/HB1"
+free = "mu"
+range = [-1, 1.5]
+intervals = 9
+errors = false
+observables = ["g"]
+values = { mu = [1.0] }
+"#;
+    for intervals in 9..15 {
+        let summary = summary(text, &[&format!("task.cycles.intervals={intervals}")]).expect("a run");
+        let point = summary.points.iter().find(|point| point.label == "cycles/UZ1").expect("a point");
+        near("max g", point.values["max g"], 1.001, 1e-5);
+    }
+}
+
+/// A state of 1e-10 that is not fixed by the reflection, with cycles of its own size.
+#[test]
+fn small_states_are_no_symmetric_ones() {
+    let text = r#"
+[model]
+symmetry = "x -> -x, y -> -y"
+equations = """
+x' = y
+y' = x - 1e20*x^3 + (mu - 1e20*x^2)*y
+"""
+[model.parameters]
+mu = 0.5
+[model.start]
+x = 1e-10
+[[task]]
+name = "rest"
+kind = "equilibria"
+free = "mu"
+range = [0.5, 1.5]
+start = 0.5
+detect = ["HB"]
+[[task]]
+name = "cycles"
+kind = "cycles"
+from = "rest/HB1"
+free = "mu"
+range = [0.5, 1.5]
+errors = false
+values = { mu = [0.9] }
+observables = ["x"]
+"#;
+    let summary = summary(text, &[]).expect("a run");
+    let cycle = summary.points.iter().find(|point| point.label == "cycles/UZ1").expect("a cycle");
+    // Around x = 1e-10, not around both equilibria.
+    assert!(cycle.values["min x"] > 0.0, "{cycle:?}");
+}

@@ -164,3 +164,31 @@ fn a_logarithm_needs_positive_ends() {
     refused("free = \"k_N\"\nrange = [1, 1e4]\nlog = [\"k_T\"]", "unknown free parameter \"k_T\"");
     refused("free = \"k_N\"\nrange = [1, 1e4]\nlog = 3", "list of free parameters");
 }
+
+/// It jumps over the axis: the log says that no Hopf point explains the change.
+#[test]
+fn a_pair_that_crosses_without_a_hopf_point_is_said_to() {
+    let text = r#"
+[model]
+equations = """
+x' = jump*x - y
+y' = x + jump*y
+jump = mu/abs(mu)
+"""
+[model.parameters]
+mu = -0.5
+[[task]]
+name = "rest"
+kind = "equilibria"
+free = "mu"
+range = [-1, 1.1]
+detect = ["HB"]
+"#;
+    let out = tempfile::tempdir().unwrap();
+    let options = RunOptions { out: out.path().to_owned(), only: Vec::new(), resume: false, quiet: true };
+    let scene = Scene::parse(text, std::path::Path::new("crossing.toml"), &[]).unwrap();
+    let summary = run(&scene, &options).unwrap();
+    assert!(summary.points.iter().all(|point| !point.label.contains("/HB")));
+    let log = std::fs::read_to_string(out.path().join("crossing/run.log")).unwrap();
+    assert!(log.contains("the number of growing eigenvalues goes from 0 to 2"), "{log}");
+}

@@ -483,3 +483,34 @@ fn bad_input_is_named() {
     ];
     refused(&["parameters.b_N=7.776", "parameters.b_T=0.7776", idle[0], idle[1], idle[2]], "tau_c changes neither");
 }
+
+/// Along mu = 0, where parts of mu mean nothing: the first Lyapunov coefficient vanishes where om = c + 13/150 or so.
+#[test]
+fn a_bautin_point_is_found_where_the_parameter_is_zero() {
+    let text = r#"
+[model]
+equations = """
+x' = mu*x - om*y + (om - 1.5)*x*(x^2 + y^2) + 0.3*z*x
+y' = om*x + mu*y + (om - 1.5)*y*(x^2 + y^2) - 0.7*x*y
+z' = -z + x*y + 0.1*x
+"""
+[model.parameters]
+mu = -0.5
+om = 1.1
+[[task]]
+name = "rest"
+kind = "equilibria"
+free = "mu"
+range = [-1, 1]
+detect = ["HB"]
+[[task]]
+name = "curve"
+kind = "hopf-curve"
+from = "rest/HB1"
+free = ["mu", "om"]
+range = { om = [0.5, 3] }
+"#;
+    let summary = study("bautin", Some(text), &[]);
+    let point = summary.points.iter().find(|point| point.label == "curve/GH1").unwrap();
+    assert!(point.parameters["mu"].abs() < 1e-12 && point.values["lyapunov"].abs() < 1e-9, "{point:?}");
+}

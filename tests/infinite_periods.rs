@@ -55,3 +55,45 @@ fn a_branch_ends_at_a_saddle_node_on_the_circle() {
         }
     }
 }
+
+/// A swing with friction that changes its sign: the cycle ends at the saddle's connection. On meshes of the default tolerance
+/// lambda is known to no more than that.
+#[test]
+fn a_connection_is_recognised_on_meshes_of_the_default_tolerance() {
+    let scene = r#"
+[model]
+symmetry = "x -> -x, y -> -y"
+equations = """
+x' = y
+y' = -sin(x) + (mu + 0.1*x^2)*y
+"""
+[model.parameters]
+mu = 0.1
+[[task]]
+name = "rest"
+kind = "equilibria"
+free = "mu"
+range = [-0.3, 0.3]
+detect = ["HB"]
+[[task]]
+name = "cycles"
+kind = "cycles"
+from = "rest/HB1"
+free = "mu"
+range = [-0.3, 0.3]
+errors = false
+TOLERANCE
+"#;
+    let ends = ["", "tolerance = 1e-9"].map(|tolerance| {
+        let text = scene.replace("TOLERANCE", tolerance);
+        let scene = Scene::parse(&text, Path::new("scene.toml"), &[]).unwrap();
+        let out = tempfile::tempdir().unwrap();
+        let options = RunOptions { out: out.path().to_owned(), only: Vec::new(), resume: false, quiet: true };
+        let summary = run(&scene, &options).unwrap();
+        let reason = &summary.tasks[1].reason;
+        assert!(reason.contains("the period grows without bound"), "{reason}");
+        let end = summary.points.iter().find(|point| point.label == "cycles/EP1").unwrap();
+        end.values["homoclinic"]
+    });
+    close("mu", ends[0], ends[1], 1e-5);
+}

@@ -214,7 +214,7 @@ fn hopf_points_of_a_long_chain() {
     let reach = tool.reach.unwrap();
     assert!(reach.complete && reach.covered >= reach.bound.unwrap() && reach.bound.unwrap() > 2.1, "{reach:?}");
     tool.follow(&mut samples, &mut counts).unwrap();
-    tool.hopf_points(&mut samples, &mut counts).unwrap();
+    assert_eq!(tool.hopf_points(&mut samples, &mut counts), Vec::<String>::new());
     let found: Vec<_> = samples
         .iter()
         .filter_map(|s| if let Some(Mark::Hopf(hopf)) = &s.mark { Some(hopf.clone()) } else { None })
@@ -237,4 +237,20 @@ fn normal_forms_do_not_depend_on_the_structure() {
     close("omega", hopf_a.omega, hopf_b.omega, 1e-12);
     close("l1", a.l1, b.l1, 1e-9);
     close("p2", a.p2, b.p2, 1e-9);
+}
+
+/// Rotations at different speeds: of an odd number of eigenvalues asked for, the last is half a pair, which comes whole.
+#[test]
+fn pairs_are_whole_around_a_real_point() {
+    let n = 40;
+    let mut a = faer::Mat::<f64>::zeros(n, n);
+    for k in 0..n / 2 {
+        let (i, speed) = (2 * k, 1.0 + k as f64);
+        (a[(i, i)], a[(i + 1, i + 1)]) = (0.1, 0.1);
+        (a[(i, i + 1)], a[(i + 1, i)]) = (speed, -speed);
+    }
+    let identity = Matrix::Dense(faer::Mat::<f64>::identity(n, n));
+    let found = nearest(&Matrix::Dense(a), &identity, c64::new(1.0, 0.0), 3).unwrap();
+    let (upper, lower): (Vec<f64>, Vec<f64>) = found.iter().map(|pair| pair.value.im).partition(|im| *im > 0.0);
+    assert_eq!(upper.len(), lower.len(), "{upper:?} {lower:?}");
 }

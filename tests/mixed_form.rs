@@ -210,7 +210,7 @@ fn beats(model: &Flagellum, loads: &[f64]) -> Vec<(Orbit, Multipliers)> {
     let hopf = model.hopf(ONSET, 0);
     let onset = hopf.p[model.index("p")];
     let form = HopfNormalForm::new(&*model.problem, &hopf).expect("a normal form");
-    let symmetry = half_period(&*model.problem, &hopf).expect("an odd mode");
+    let symmetry = half_period(&*model.problem, &hopf, 1.0).expect("an odd mode");
     let mut found: Vec<(Orbit, Multipliers)> = Vec::new();
     for (i, &load) in loads.iter().enumerate() {
         let r = |load: f64| (load - onset).sqrt();

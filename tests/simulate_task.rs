@@ -299,3 +299,31 @@ fn a_torus_has_the_rotation_number_of_its_two_frequencies() {
     let gap = (rotation - turns).rem_euclid(1.0).min((rotation + turns).rem_euclid(1.0));
     assert!(gap.min(1.0 - gap) < 1e-4, "{rotation} {turns}");
 }
+
+/// x = -sin t comes to 1 - 1e-4 twice around each of its maxima, within a small part of a step.
+#[test]
+fn events_on_both_sides_of_an_extremum_are_found() {
+    let text = r#"
+[model]
+equations = """
+x' = -y
+y' = x
+"""
+[[task]]
+name = "motion"
+kind = "simulate"
+start = [0, 1]
+time = [0, 20]
+tolerance = 1e-8
+events = [{ of = "x", value = 0.9999, direction = "any" }]
+"#;
+    let out = tempfile::tempdir().unwrap();
+    let summary = turning(text, out.path()).unwrap();
+    let times: Vec<f64> = summary.points.iter().filter_map(|point| point.values.get("t").copied()).collect();
+    let half = (0.9999_f64).acos();
+    let wanted = [1.5, 3.5, 5.5].map(|turns| [-half, half].map(|off| turns * std::f64::consts::PI + off)).concat();
+    assert_eq!(summary.points.iter().filter(|point| point.label.contains("/EV")).count(), wanted.len(), "{times:?}");
+    for wanted in wanted {
+        assert!(times.iter().any(|t| (t - wanted).abs() < 1e-4), "{wanted} {times:?}");
+    }
+}

@@ -318,3 +318,25 @@ proptest! {
         let _ = load(&format!("{}{new}{}", &text[..places[start]], &text[end..]), &[]);
     }
 }
+
+/// Each equation counts by its own size, beside others that are a thousand million times larger.
+#[test]
+fn a_false_symmetry_is_seen_beside_stiff_equations() {
+    let stiff = r#"
+[model]
+symmetry = "x -> -x, y -> -y"
+equations = """
+x' = -1e11*x
+y' = -y + 0.3*y^2 + mu
+"""
+[model.parameters]
+mu = 0.1
+[[task]]
+name = "rest"
+kind = "equilibria"
+free = "mu"
+range = [0, 0.3]
+"#;
+    let error = load(stiff, &[]).unwrap_err();
+    assert!(error.contains("the symmetry does not hold: the equation of y changes"), "{error}");
+}

@@ -12,7 +12,7 @@
 //! born at the Hopf curve are stable; a b > 0: they are not.
 
 use super::hopf::HopfError;
-use crate::linalg::{Bordered, dot};
+use crate::linalg::{Bordered, any, dot, unit};
 use crate::problem::{At, Direction, Problem};
 use faer::MatRef;
 
@@ -34,13 +34,8 @@ impl BogdanovTakens {
         let (gu, gv) = problem.linearised(at);
         let (gu, gv) = (gu.as_ref(), gv.as_ref());
         let size = gu.norm_max();
-        let unit = |x: &[f64]| -> Vec<f64> {
-            let norm = dot(x, x).sqrt();
-            x.iter().map(|x| x / norm).collect()
-        };
         let scaled = |x: &[f64]| -> Vec<f64> { x.iter().map(|x| size * x).collect() };
-        let any: Vec<f64> = (0..n).map(|i| 1.0 + (7 * i % 5) as f64).collect();
-        let (mut right, mut left) = (unit(&any), unit(&any));
+        let (mut right, mut left) = (unit(&any(n)), unit(&any(n)));
         let mut bordered = Bordered::new(gu, &scaled(&left), &scaled(&right), 0.0)?;
         for _ in 0..ITERATIONS {
             let mut x = vec![0.0; n + 1];

@@ -89,7 +89,8 @@ pub fn follow(last: &[c64], guess: &[c64], next: &[c64], wanted: usize, blur: f6
         if to[i].is_some() || from[j].is_some() {
             continue;
         }
-        let rival = candidates.iter().filter(|c| (c.1 == i) != (c.2 == j)).map(|c| c.0).fold(f64::INFINITY, f64::min);
+        // The nearest of the others is the first.
+        let rival = candidates.iter().find(|c| (c.1 == i) != (c.2 == j)).map_or(f64::INFINITY, |c| c.0);
         let negligible = d <= blur.max(1e-7 * size(expected[i]));
         if d <= DISTINCT * rival || negligible {
             to[i] = Some(j);

@@ -3,7 +3,8 @@
 use super::{BranchError, BranchPoint, Equilibria, Fold, Mark, Sample, Scales, Tangent};
 use crate::continuation::{Counts, Failure, Point, at_fraction, crossing, inner};
 
-/// Folds: the tangent's parameter component changes sign. They are solved for on their defining system.
+/// Folds: the tangent's parameter component changes sign. They are solved for on their defining system. Where it is exactly
+/// zero a branch starts at a pitchfork, which is no fold of its arms.
 pub fn folds(system: &Equilibria, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
     let index = system.coordinate.index;
     let mut i = 1;
@@ -12,7 +13,8 @@ pub fn folds(system: &Equilibria, samples: &mut Vec<Sample>, counts: &mut Counts
         if a.tangent_lambda * b.tangent_lambda < 0.0 {
             let mut point = crossing(system, (a, b), &|point: &Point| point.tangent_lambda, counts)?;
             let near = (&point.x[..], &system.parameters(point.lambda)[..]);
-            let fold = Fold::locate(&*system.problem, near, index, &point.tangent).ok().map(Box::new);
+            let place = (index, scales(system, point.lambda).parameter);
+            let fold = Fold::locate(&*system.problem, near, place, &point.tangent).ok().map(Box::new);
             if let Some(fold) = &fold {
                 point.x.copy_from_slice(&fold.u);
                 point.lambda = system.coordinate.of(fold.p[index]);
@@ -80,11 +82,13 @@ fn between(
         }
         // The middle may happen to be the branch point.
         let near = [0.5, 0.45, 0.6];
-        let Some(middle) = near.iter().find_map(|&part| at_fraction(system, (&a, &b), part, counts).ok()) else {
-            break;
-        };
-        let other = if middle.factors.sign() == before { &mut a } else { &mut b };
-        *other = middle.point;
+        let middle = near.iter().find_map(|&part| {
+            let middle = at_fraction(system, (&a, &b), part, counts).ok()?;
+            Some((middle.factors.sign()?, middle.point))
+        });
+        let Some((sign, middle)) = middle else { break };
+        let other = if sign == before { &mut a } else { &mut b };
+        *other = middle;
     }
     Err(reason)
 }

@@ -1,7 +1,7 @@
 //! Equilibria `G(u, 0, p) = 0` as a curve in one parameter, or in its logarithm.
 
 use super::Coordinate;
-use crate::continuation::{Border, Factored, Point, System, inner};
+use crate::continuation::{Border, Factored, Point, System, normalise};
 use crate::linalg::{BorderedMatrix, Eigenpair, Leading, Singular, Structure, dot, leading, pencil, shifted};
 use crate::problem::{At, Direction, Problem};
 use std::sync::Arc;
@@ -25,8 +25,8 @@ impl Equilibria {
         p
     }
 
-    /// Eigenvalues at an equilibrium, rightmost first; vectors with the first `vectors`. The shift is kept where no
-    /// eigenvalue can be: right of all that were found last (`rightmost`, `size` their scale).
+    /// Eigenvalues at an equilibrium, rightmost first; vectors with the first `vectors`. `shift` must be no eigenvalue: it is
+    /// best to the right of all that matter, at a distance of their size.
     pub fn spectrum(&self, u: &[f64], lambda: f64, shift: f64, vectors: usize) -> Result<Vec<Eigenpair>, Singular> {
         let n = u.len();
         let (rest, p) = (vec![0.0; n], self.parameters(lambda));
@@ -63,18 +63,6 @@ impl Equilibria {
 /// A state larger than this many scales makes a new scale.
 const OUTGROWN: f64 = 2.0;
 
-impl Equilibria {
-    /// Gives the tangent length one.
-    pub fn normalise(&self, point: &mut Point) {
-        let along = (&point.tangent[..], point.tangent_lambda);
-        let length = inner(self, along, along).sqrt();
-        if length > 0.0 {
-            point.tangent.iter_mut().for_each(|t| *t /= length);
-            point.tangent_lambda /= length;
-        }
-    }
-}
-
 impl System for Equilibria {
     type Factors = BorderedMatrix;
 
@@ -110,7 +98,7 @@ impl System for Equilibria {
         let grown = rms > OUTGROWN * self.scale_state && rms.is_finite();
         if grown {
             self.scale_state = rms;
-            self.normalise(point);
+            normalise(self, point);
         }
         grown
     }

@@ -10,9 +10,9 @@
 //! (Kuznetsov 2004, doi:10.1007/978-1-4757-3978-7, section 5.4; written for the implicit form). The sign of q, and with
 //! it that of both coefficients, is such that its largest entry is positive.
 
-use super::steady::{Steady, adjoint, positive, unit};
+use super::steady::{Steady, adjoint, positive};
 use crate::continuation::Failure;
-use crate::linalg::{Lu, Matrix, dot, finite};
+use crate::linalg::{Lu, Matrix, any, dot, finite, norm, unit};
 use crate::problem::{At, Direction, Problem};
 use faer::Mat;
 
@@ -34,16 +34,21 @@ pub struct Fold {
 const MOST_STEPS: usize = 25;
 
 impl Fold {
-    /// Solves for a fold near (u, p) with `p[free]` unknown; `near` is a vector close to the kernel, such as the tangent.
-    pub fn locate(problem: &dyn Problem, (u, p): (&[f64], &[f64]), free: usize, near: &[f64]) -> Result<Self, Failure> {
+    /// Solves for a fold near (u, p) with `p[free]` unknown, of which `width` counts as much; `near` is a vector close to
+    /// the kernel, such as the tangent.
+    pub fn locate(
+        problem: &dyn Problem,
+        (u, p): (&[f64], &[f64]),
+        (free, width): (usize, f64),
+        near: &[f64],
+    ) -> Result<Self, Failure> {
         let n = u.len();
         let rest = vec![0.0; n];
         let (mut u, mut p) = (u.to_vec(), p.to_vec());
-        let any: Vec<f64> = (0..n).map(|i| 1.0 + (7 * i % 5) as f64).collect();
-        let (mut gamma, mut beta) = (unit(near), unit(&any));
+        let (mut gamma, mut beta) = (unit(near), unit(&any(n)));
         let mut e = vec![0.0; p.len()];
         e[free] = 1.0;
-        let (mut largest, mut last) = (f64::MIN_POSITIVE, f64::INFINITY);
+        let (mut largest, mut last) = (width, f64::INFINITY);
         for step in 0..MOST_STEPS {
             let at = At { u: &u, v: &rest, p: &p };
             let (gu, gv) = problem.matrices(at);
@@ -88,8 +93,9 @@ impl Fold {
             }
             u.iter_mut().zip(&du).for_each(|(u, d)| *u += d);
             p[free] += dp;
-            largest = largest.max(p[free].abs()).max(dp.abs());
-            let size = (dp / largest).abs().max(dot(&du, &du).sqrt() / (dot(&u, &u).sqrt() + 1e-3));
+            largest = largest.max(p[free].abs());
+            // In the state's own size: next to a degenerate point, where steps shrink by halves, no larger one would do.
+            let size = (dp / largest).abs().max(norm(&du) / (norm(&u) + 1e-3));
             (gamma, beta) = (unit(&q), unit(&w));
             if size < 1e-15 || (size < 1e-8 && step > 1 && size > 0.3 * last) {
                 return Ok(Self::formed(problem, (u, p), (&q, &w), (&gv, &e), dp.abs()));

@@ -13,7 +13,7 @@
 //! quadratically to rounding. Second derivatives are exact.
 
 use super::multilinear::Complex;
-use crate::linalg::{BorderedPencil, Factors, Matrix, Singular, c64};
+use crate::linalg::{BorderedPencil, Factors, Matrix, Singular, c64, norm};
 use crate::problem::{At, Direction, Problem};
 use thiserror::Error;
 
@@ -32,7 +32,8 @@ pub struct Hopf {
     /// Relative perturbations delta of all entries of G_u and G_v move the eigenvalue i omega by at most
     /// `condition delta omega` to first order,
     /// `condition = |w|^T (|G_u| + omega |G_v|) |q| / (omega |w^H M q|)` (Higham and Higham 1998,
-    /// doi:10.1137/S0895479896313188): large where the eigenvectors are far from orthogonal.
+    /// doi:10.1137/S0895479896313188): large where the eigenvectors are far from orthogonal. Entries that are sums of larger
+    /// terms are perturbed by more than a part of themselves: for these it is a lower bound.
     pub condition: f64,
 }
 
@@ -42,6 +43,8 @@ pub enum HopfError {
     Singular(#[from] Singular),
     #[error("Newton's method on the Hopf point did not converge (last relative step {0:.1e})")]
     Diverged(f64),
+    #[error("a quantity of the Hopf point is not finite")]
+    NotFinite,
 }
 
 const MOST_STEPS: usize = 25;
@@ -69,7 +72,8 @@ impl Hopf {
             condition: f64::NAN,
         };
         let mut size_p = p[free].abs();
-        let mut last = f64::INFINITY;
+        let mut size_u = norm(u);
+        let (mut last, mut last_moved) = (f64::INFINITY, f64::INFINITY);
         for step in 0..MOST_STEPS {
             let frame = Frame::new(problem, &hopf, free)?;
             hopf.q = frame.q.clone();
@@ -81,27 +85,31 @@ impl Hopf {
             let determinant = g_p.re * g_omega.im - g_p.im * g_omega.re;
             let dp = (-shifted.re * g_omega.im + shifted.im * g_omega.re) / determinant;
             let domega = (-shifted.im * g_p.re + shifted.re * g_p.im) / determinant;
-            for i in 0..n {
-                hopf.u[i] += frame.correction[i] + dp * frame.du_dp[i];
-            }
+            let du: Vec<f64> = (0..n).map(|i| frame.correction[i] + dp * frame.du_dp[i]).collect();
+            hopf.u.iter_mut().zip(&du).for_each(|(u, d)| *u += d);
             hopf.p[free] += dp;
             hopf.omega += domega;
             let before = hopf.rounding;
             hopf.rounding = (dp.abs(), domega.abs());
-            size_p = size_p.max(hopf.p[free].abs()).max(f64::MIN_POSITIVE);
+            // Next to p = 0 what dp does to the eigenvalue counts, in parts of omega.
+            size_p = size_p.max(hopf.p[free].abs()).max((hopf.omega * frame.mass.norm() / g_p.norm()).abs());
             let size = (dp / size_p).abs().max((domega / hopf.omega).abs());
+            // The state may lag behind, and may be zero but for rounding, which shrinks no more.
+            let moved = norm(&du);
+            size_u = size_u.max(norm(&hopf.u));
+            let settled = moved <= 1e-15 * size_u || moved > 0.3 * last_moved;
             // Rounding is reached when steps stop shrinking; both are samples of it then.
             let noise = size < NOISE && step > 1 && size > 0.3 * last;
             if noise {
                 hopf.rounding = (hopf.rounding.0.max(before.0), hopf.rounding.1.max(before.1));
             }
-            if size < 1e-15 || noise {
+            if settled && (size < 1e-15 || noise) {
                 return hopf.normalised(problem, free);
             }
             if !size.is_finite() {
                 return Err(HopfError::Diverged(size));
             }
-            last = size;
+            (last, last_moved) = (size, moved);
         }
         if last < NOISE { hopf.normalised(problem, free) } else { Err(HopfError::Diverged(last)) }
     }

@@ -4,7 +4,7 @@
 //! `G(u, 0, p) = 0` at fixed p, from the state at the last point; where it fails, by way of points in between.
 
 use crate::continuation::{Counts, Failure};
-use crate::linalg::{EigenFailure, Lu, Rightmost, dot, finite, rightmost};
+use crate::linalg::{EigenFailure, Lu, Rightmost, finite, norm, rightmost};
 use crate::problem::{At, Problem};
 use faer::Mat;
 use thiserror::Error;
@@ -31,6 +31,8 @@ pub struct Line<'a> {
     problem: &'a dyn Problem,
     u: Vec<f64>,
     p: Vec<f64>,
+    /// The size of the largest state met.
+    largest: f64,
     /// For the pencil; none before the first eigenvalue.
     shift: Option<f64>,
     pub counts: Counts,
@@ -58,7 +60,7 @@ const OTHER: f64 = 1.7;
 impl<'a> Line<'a> {
     /// From a state that need not be an equilibrium, at parameters p.
     pub fn new(problem: &'a dyn Problem, u: Vec<f64>, p: Vec<f64>) -> Self {
-        Self { problem, u, p, shift: None, counts: Counts::default() }
+        Self { problem, u, p, largest: 0.0, shift: None, counts: Counts::default() }
     }
 
     /// Another line from where this one is, with nothing counted yet.
@@ -117,8 +119,8 @@ impl<'a> Line<'a> {
     fn settle(&mut self, u: &[f64], p: &[f64]) -> Result<Settled, Failure> {
         let mut u = u.to_vec();
         let (rest, mut right) = (vec![0.0; u.len()], vec![0.0; u.len()]);
-        let norm = |x: &[f64]| dot(x, x).sqrt();
-        let (mut largest, mut last) = (norm(&u), f64::INFINITY);
+        self.largest = self.largest.max(norm(&u));
+        let mut last = f64::INFINITY;
         for step in 0..MOST_STEPS {
             let at = At { u: &u, v: &rest, p };
             self.problem.residual(at, &mut right);
@@ -139,7 +141,8 @@ impl<'a> Line<'a> {
             }
             u.iter_mut().zip(&right).for_each(|(u, d)| *u -= d);
             let size = norm(&right);
-            largest = largest.max(norm(&u));
+            self.largest = self.largest.max(norm(&u));
+            let largest = self.largest;
             if size <= TOLERANCE * largest || (size <= ROUNDING * largest && size > 0.5 * last) {
                 let (gu, gv) = self.problem.linearised(At { u: &u, v: &rest, p });
                 return Ok(Settled { u, gu, gv });

@@ -49,10 +49,13 @@ impl<C: Locus> Segment<C> {
     }
 
     /// Where the test vanishes, if it changes sign; `Ok(None)` if it does not, or only through a pole, or at what is no
-    /// point of its kind.
+    /// point of its kind, or where it does not exist; an error where it exists at one end only, so that nobody knows.
     pub fn locate(&self, test: C::Test, counts: &mut Counts) -> Result<Option<Point>, Failure> {
         let ends = (&self.from, &self.to);
         let (a, b) = (self.value(test, &self.from), self.value(test, &self.to));
+        if a.is_nan() != b.is_nan() {
+            return Err(Failure::NotFinite);
+        }
         if !(a * b < 0.0 || b == 0.0) {
             return Ok(None);
         }

@@ -43,12 +43,6 @@ pub(super) fn size(gu: &Matrix) -> f64 {
     if gu.n() > 1 { gu.norm_max() } else { 1.0 }
 }
 
-/// The vector in its direction of length one.
-pub(super) fn unit(x: &[f64]) -> Vec<f64> {
-    let size = dot(x, x).sqrt();
-    x.iter().map(|x| x / size).collect()
-}
-
 /// The same or the opposite vector, so that the largest entry is positive.
 pub(super) fn positive(x: &[f64]) -> Vec<f64> {
     let largest = x.iter().fold(0.0_f64, |best, x| if x.abs() > best.abs() * (1.0 + 1e-6) { *x } else { best });

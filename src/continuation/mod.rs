@@ -89,3 +89,13 @@ pub trait Factored {
 pub fn inner<S: System>(system: &S, (a, a_lambda): (&[f64], f64), (b, b_lambda): (&[f64], f64)) -> f64 {
     crate::linalg::dot(a, &system.dual(b)) + system.dual_lambda() * a_lambda * b_lambda
 }
+
+/// Gives a point's tangent length one.
+pub fn normalise<S: System>(system: &S, point: &mut Point) {
+    let along = (&point.tangent[..], point.tangent_lambda);
+    let length = inner(system, along, along).sqrt();
+    if length > 0.0 {
+        point.tangent.iter_mut().for_each(|t| *t /= length);
+        point.tangent_lambda /= length;
+    }
+}

@@ -115,19 +115,20 @@ impl<'a, S: System> Walk<'a, S> {
         }
         loop {
             let h = self.state.control.step;
-            match self.attempt(&from, h) {
-                Ok(corrected) => {
-                    if let Some(end) = self.beyond(corrected.point.lambda) {
-                        return self.finish(from, &corrected.point, end);
-                    }
-                    return Ok(self.accept(from, corrected, h));
-                }
-                Err(failure) => {
-                    if !self.state.control.fail() {
-                        let least = self.state.control.least;
-                        return Err(Stop::Stagnation { least, lambda: from.lambda, reason: failure.to_string() });
-                    }
-                }
+            let failure = match self.attempt(&from, h) {
+                Ok(corrected) => match self.beyond(corrected.point.lambda) {
+                    None => return Ok(self.accept(from, corrected, h)),
+                    // Next to a fold just beyond the end, shorter steps come closer.
+                    Some(end) => match self.finish(&from, &corrected.point, end) {
+                        Ok(step) => return Ok(step),
+                        Err(failure) => failure,
+                    },
+                },
+                Err(failure) => failure,
+            };
+            if !self.state.control.fail() {
+                let least = self.state.control.least;
+                return Err(Stop::Stagnation { least, lambda: from.lambda, reason: failure.to_string() });
             }
         }
     }
@@ -157,7 +158,7 @@ impl<'a, S: System> Walk<'a, S> {
             }
             None => correct(&*self.system, (x, lambda), &border, counts)?,
         };
-        // A turn by more than a right angle means that another part of the curve was hit.
+        // A turn by more than 60 degrees means that another part of the curve was hit.
         let to = &corrected.point;
         let cosine = inner(&*self.system, (&from.tangent, from.tangent_lambda), (&to.tangent, to.tangent_lambda));
         if cosine < 0.5 || corrected.distance > h { Err(Failure::Turned) } else { Ok(corrected) }
@@ -224,12 +225,11 @@ impl<'a, S: System> Walk<'a, S> {
     }
 
     /// The last step, exactly to the end of the range, between the last point and one beyond it.
-    fn finish(&mut self, from: Point, beyond: &Point, end: f64) -> Result<Step<S::Factors>, Stop> {
-        let stagnation = |failure: Failure| Stop::Stagnation { least: 0.0, lambda: end, reason: failure.to_string() };
-        let corrected = at_lambda(&*self.system, (&from, beyond), end, &mut self.counts).map_err(stagnation)?;
+    fn finish(&mut self, from: &Point, beyond: &Point, end: f64) -> Result<Step<S::Factors>, Failure> {
+        let corrected = at_lambda(&*self.system, (from, beyond), end, &mut self.counts)?;
         let to = corrected.point;
         self.state.point = to.clone();
         self.state.steps += 1;
-        Ok(Step { from, to, factors: Arc::new(corrected.factors), stop: Some(Stop::RangeEnd) })
+        Ok(Step { from: from.clone(), to, factors: Arc::new(corrected.factors), stop: Some(Stop::RangeEnd) })
     }
 }

@@ -33,6 +33,8 @@ pub enum Fault {
     TooLarge { text: String },
     #[error("nested too deeply; write a shorter expression")]
     TooDeep,
+    #[error("is {0} bytes long; at most {MAX_LENGTH} are read")]
+    TooLong(usize),
     #[error("{what} has no place here; allowed are numbers, names, functions and operators")]
     NotHere { what: &'static str },
 }

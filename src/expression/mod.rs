@@ -108,7 +108,7 @@ impl Node {
     /// An expression with all that a model may hold.
     pub fn parse(text: &str) -> Result<Node, Misplaced> {
         if text.len() > MAX_LENGTH {
-            return Err(Misplaced { offset: 0, fault: Fault::TooDeep });
+            return Err(Misplaced { offset: 0, fault: Fault::TooLong(text.len()) });
         }
         parser::parse(text)
     }

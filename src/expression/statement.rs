@@ -36,7 +36,7 @@ pub fn statement(text: &str) -> Result<Statement, Misplaced> {
 
 fn read(start: usize, line: &str) -> Result<Statement, Misplaced> {
     if line.len() > MAX_LENGTH {
-        return Err(Misplaced { offset: start, fault: Fault::TooDeep });
+        return Err(Misplaced { offset: start, fault: Fault::TooLong(line.len()) });
     }
     let moved = |Misplaced { offset, fault }| Misplaced { offset: start + offset, fault };
     let mut statement = parse(&mut input(line)).map_err(|failure| moved(failure.explain(line)))?;

@@ -64,12 +64,13 @@ impl BorderedMatrix {
         }
     }
 
-    /// Sign of the determinant; zero if it is not known.
-    pub fn sign(&self) -> f64 {
+    /// Sign of the determinant, if it is known.
+    pub fn sign(&self) -> Option<f64> {
         match &self.form {
-            Form::Whole(lu) => lu.sign(),
+            Form::Whole(lu) => Some(lu.sign()),
             Form::Blocks(blocks) => {
-                blocks.borders.deltas().fold(blocks.factors.sign(), |sign, delta| sign * delta.signum())
+                let sign = blocks.factors.sign()?;
+                Some(blocks.borders.deltas().fold(sign, |sign, delta| sign * delta.signum()))
             }
         }
     }

@@ -68,12 +68,12 @@ impl Factors {
         }
     }
 
-    /// Sign of the determinant, zero if it is not known.
-    pub fn sign(&self) -> f64 {
+    /// Sign of the determinant, if it is known.
+    pub fn sign(&self) -> Option<f64> {
         match self {
-            Factors::Dense(lu) => lu.sign(),
-            Factors::Banded(lu) => lu.sign(),
-            Factors::Sparse(made) => sparse::sign(&made.1).unwrap_or(0.0),
+            Factors::Dense(lu) => Some(lu.sign()),
+            Factors::Banded(lu) => Some(lu.sign()),
+            Factors::Sparse(made) => sparse::sign(&made.1).ok(),
         }
     }
 }

@@ -83,7 +83,7 @@ fn conjugate(pair: &Eigenpair) -> Eigenpair {
     Eigenpair { value: pair.value.conj(), vector: pair.vector.iter().map(|z| z.conj()).collect() }
 }
 
-/// The eigenvalues nearest to s, at least one and at most `count`; vectors have length one.
+/// The eigenvalues nearest to s, at least one and at most `count`, but pairs whole where s is real; vectors have length one.
 pub fn nearest(a: &Matrix, m: &Matrix, s: c64, count: usize) -> Result<Vec<Eigenpair>, EigenFailure> {
     let found = if s.im == 0.0 {
         let factors = Factors::new(&a.plus(s.re, m))?;
@@ -106,6 +106,14 @@ pub fn nearest(a: &Matrix, m: &Matrix, s: c64, count: usize) -> Result<Vec<Eigen
         if pair.value.im.abs() <= f64::EPSILON * 10.0 * (pair.value - s).norm() {
             pair.value.im = 0.0;
         }
+    }
+    // Of a real pencil's last pair the iteration may have one half only.
+    let halves: f64 = pairs.iter().map(|pair| if pair.value.im == 0.0 { 0.0 } else { pair.value.im.signum() }).sum();
+    if s.im == 0.0
+        && halves != 0.0
+        && let Some(half) = pairs.iter().rfind(|pair| pair.value.im * halves > 0.0).map(conjugate)
+    {
+        pairs.push(half);
     }
     if pairs.is_empty() { Err(EigenFailure::None) } else { Ok(pairs) }
 }

@@ -103,13 +103,6 @@ impl<T: ComplexField + Finite> Bordered<T> {
     }
 }
 
-impl Bordered<f64> {
-    /// Sign of the determinant of the whole.
-    pub fn sign(&self) -> f64 {
-        self.lu.sign()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,6 +3,7 @@
 
 mod banded;
 mod bordered;
+mod direction;
 mod eigen;
 mod elimination;
 mod equilibrated;
@@ -16,6 +17,7 @@ mod sparse;
 
 pub use banded::{Banded, BandedLu, LANES};
 pub use bordered::{BorderedMatrix, BorderedPencil};
+pub use direction::{any, norm, real_direction, unit};
 pub use eigen::{Eigenpair, growth, pencil, shifted};
 pub use equilibrated::Equilibrated;
 pub use factors::{Factors, PencilFactors};

@@ -2,7 +2,7 @@
 //! drift velocities c_k, and lambda.
 //!
 //! ```text
-//! G(u(c), u'(c)/P, p) = 0         at every Gauss point c of every interval,
+//! G(u(c), u'(c)/P, p) = 0         at every collocation point c of every interval,
 //! u(1) = S u(0),                  S the identity, or the reflection of a half-period orbit,
 //! int <u - u_ref, u_ref'> dtau = 0,      u_ref the last orbit: the integral phase condition,
 //! border . (u, P, lambda) = 0     (continuation's own row).
@@ -236,7 +236,7 @@ impl Collocation {
         }
     }
 
-    /// u and `u' + sum_k c_k Gamma_k u` (per P) at Gauss point i of interval j.
+    /// u and `u' + sum_k c_k Gamma_k u` (per P) at collocation point i of interval j.
     pub(super) fn state(&self, orbit: &Orbit, j: usize, i: usize) -> (Vec<f64>, Vec<f64>) {
         let (n, m) = (orbit.dim, self.scheme.degree);
         let rate = 1.0 / ((self.mesh[j + 1] - self.mesh[j]) * orbit.part);

@@ -1,4 +1,4 @@
-//! Periodic orbits of `G(u, u', p) = 0` by collocation at Gauss points.
+//! Periodic orbits of `G(u, u', p) = 0` by collocation.
 
 mod algebraic;
 mod band;

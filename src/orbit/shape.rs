@@ -60,9 +60,13 @@ impl Orbit {
     /// u and u' at tau in [0, 1].
     pub fn at(&self, tau: f64, scheme: &Scheme) -> (Vec<f64>, Vec<f64>) {
         let j = self.mesh.partition_point(|&b| b <= tau).clamp(1, self.intervals()) - 1;
+        let x = (tau - self.mesh[j]) / (self.mesh[j + 1] - self.mesh[j]);
+        self.combined(j, &scheme.values_at(x), &scheme.slopes_at(x))
+    }
+
+    /// u and u' in interval j, from values and slopes of the Lagrange polynomials.
+    fn combined(&self, j: usize, value: &[f64], slope: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let width = self.mesh[j + 1] - self.mesh[j];
-        let x = (tau - self.mesh[j]) / width;
-        let (value, slope) = (scheme.values_at(x), scheme.slopes_at(x));
         let (mut u, mut v) = (vec![0.0; self.dim], vec![0.0; self.dim]);
         for l in 0..=self.degree {
             for (i, &y) in self.node(j * self.degree + l).iter().enumerate() {
@@ -81,13 +85,7 @@ impl Orbit {
     /// u and u' at any multiple t of P, by symmetry.
     pub fn anywhere(&self, t: f64, scheme: &Scheme, symmetry: &Reflection) -> (Vec<f64>, Vec<f64>) {
         let turns = t.floor();
-        let (mut u, mut v) = self.at(t - turns, scheme);
-        for _ in 0..(turns as i64).rem_euclid(self.parts as i64) {
-            let (old_u, old_v) = (u.clone(), v.clone());
-            symmetry.apply(&old_u, &mut u);
-            symmetry.apply(&old_v, &mut v);
-        }
-        (u, v)
+        reflected(self.at(t - turns, scheme), (turns as i64).rem_euclid(self.parts as i64), symmetry)
     }
 
     /// The same orbit (or tangent) on another mesh or with another degree, by interpolation.
@@ -120,12 +118,7 @@ impl Orbit {
                 for (c, weight) in scheme.points.iter().zip(&scheme.weights) {
                     let tau = w[0] + c * (w[1] - w[0]);
                     // The last Radau point of a part belongs to it, not to the next.
-                    let (mut u, mut v) = self.at(tau, &scheme);
-                    for _ in 0..part {
-                        let (old_u, old_v) = (u.clone(), v.clone());
-                        symmetry.apply(&old_u, &mut u);
-                        symmetry.apply(&old_v, &mut v);
-                    }
+                    let (u, v) = reflected(self.at(tau, &scheme), part as i64, symmetry);
                     sum += weight * (w[1] - w[0]) * value(&u, &v);
                 }
             }
@@ -133,41 +126,87 @@ impl Orbit {
         sum / self.parts as f64
     }
 
-    /// The largest and smallest value of a functional over the whole period: sampled four times per node, then refined
-    /// by Brent's method.
+    /// The largest and smallest value of a functional over the whole period: sampled at all nodes, then
+    /// refined by Brent's method wherever the samples do not rule out that the extremum is there.
     pub fn extremes(&self, problem: &dyn Problem, observable: usize, p: &[f64], symmetry: &Reflection) -> Extremes {
         let scheme = self.scheme();
-        let value = |t: f64| -> f64 {
-            let (u, mut v) = self.anywhere(t, &scheme, symmetry);
+        let observe = |(u, mut v): (Vec<f64>, Vec<f64>)| -> f64 {
             self.add_drift(problem, &u, &mut v);
             problem.observe(observable, At { u: &u, v: &v, p })
         };
-        let samples: Vec<f64> = (0..self.parts)
-            .flat_map(|part| self.mesh.windows(2).map(move |w| (part, w[0], w[1])))
-            .flat_map(|(part, a, b)| scheme.nodes[..self.degree].iter().map(move |x| part as f64 + a + x * (b - a)))
-            .collect();
-        let values: Vec<f64> = samples.iter().map(|&t| value(t)).collect();
-        Extremes {
-            max: -least(&samples, self.parts as f64, &values, -1.0, &value),
-            min: least(&samples, self.parts as f64, &values, 1.0, &value),
+        let places = &scheme.nodes[..self.degree];
+        let weights: Vec<_> = places.iter().map(|&x| (scheme.values_at(x), scheme.slopes_at(x))).collect();
+        let (mut times, mut values) = (Vec::new(), Vec::new());
+        for part in 0..self.parts {
+            for (j, w) in self.mesh.windows(2).enumerate() {
+                for (x, (value, slope)) in places.iter().zip(&weights) {
+                    times.push(part as f64 + w[0] + x * (w[1] - w[0]));
+                    values.push(observe(reflected(self.combined(j, value, slope), part as i64, symmetry)));
+                }
+            }
         }
+        let value = |t: f64| observe(self.anywhere(t, &scheme, symmetry));
+        let period = self.parts as f64;
+        let min = least(&times, period, &values, &value);
+        values.iter_mut().for_each(|y| *y = -*y);
+        Extremes { max: -least(&times, period, &values, &|t| -value(t)), min }
     }
 }
 
-/// The least value of `sign * f`, periodic, from samples.
-fn least(t: &[f64], period: f64, y: &[f64], sign: f64, f: &dyn Fn(f64) -> f64) -> f64 {
-    struct Cost<'a>(&'a dyn Fn(f64) -> f64, f64);
+/// A minimum between samples may be deeper than the parabola through them has it by this part of its depth.
+const DEEPER: f64 = 1.0;
+
+/// u and u' after some of the period's parts.
+fn reflected((mut u, mut v): (Vec<f64>, Vec<f64>), parts: i64, symmetry: &Reflection) -> (Vec<f64>, Vec<f64>) {
+    for _ in 0..parts {
+        let (old_u, old_v) = (u.clone(), v.clone());
+        symmetry.apply(&old_u, &mut u);
+        symmetry.apply(&old_v, &mut v);
+    }
+    (u, v)
+}
+
+/// The least value of a periodic function from samples.
+fn least(t: &[f64], period: f64, y: &[f64], f: &dyn Fn(f64) -> f64) -> f64 {
+    let n = t.len();
+    // Each local minimum with the least value that there may be around it.
+    let mut valleys: Vec<(f64, f64, f64)> = (0..n)
+        .filter_map(|i| {
+            let (before, after) = ((i + n - 1) % n, (i + 1) % n);
+            if y[before] < y[i] || y[after] < y[i] {
+                return None;
+            }
+            let from = if i == 0 { t[before] - period } else { t[before] };
+            let to = if i + 1 == n { t[after] + period } else { t[after] };
+            let (left, right) = ((y[i] - y[before]) / (t[i] - from), (y[after] - y[i]) / (to - t[i]));
+            let bend = (right - left) / (to - from);
+            let slope = left + bend * (t[i] - from);
+            let depth = if bend > 0.0 { slope * slope / (4.0 * bend) } else { 0.0 };
+            Some((y[i] - (1.0 + DEEPER) * depth, from, to))
+        })
+        .collect();
+    valleys.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best = y.iter().copied().fold(f64::INFINITY, f64::min);
+    for (k, &(bound, from, to)) in valleys.iter().enumerate() {
+        if k > 0 && bound >= best {
+            break;
+        }
+        best = best.min(refined(f, from, to));
+    }
+    best
+}
+
+/// The least value of a function of one valley.
+fn refined(f: &dyn Fn(f64) -> f64, from: f64, to: f64) -> f64 {
+    struct Cost<'a>(&'a dyn Fn(f64) -> f64);
     impl CostFunction for Cost<'_> {
         type Param = f64;
         type Output = f64;
         fn cost(&self, t: &f64) -> Result<f64, argmin::core::Error> {
-            Ok(self.1 * (self.0)(*t))
+            Ok((self.0)(*t))
         }
     }
-    let best = (0..y.len()).fold(0, |best, i| if sign * y[i] < sign * y[best] { i } else { best });
-    let before = if best == 0 { t[t.len() - 1] - period } else { t[best - 1] };
-    let after = if best + 1 == t.len() { t[0] + period } else { t[best + 1] };
-    let brent = BrentOpt::new(before, after).set_tolerance(1e-9, 1e-10);
-    let refined = Executor::new(Cost(f, sign), brent).configure(|state| state.max_iters(60)).run();
-    refined.map_or(f64::INFINITY, |r| r.state().best_cost).min(sign * y[best])
+    let brent = BrentOpt::new(from, to).set_tolerance(1e-9, 1e-10);
+    let found = Executor::new(Cost(f), brent).configure(|state| state.max_iters(60)).run();
+    found.map_or(f64::INFINITY, |found| found.state().best_cost)
 }

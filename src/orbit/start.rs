@@ -5,11 +5,11 @@
 //! p = p_H + p2 r²,  omega = omega_H + omega2 r²:
 //! ```
 //!
-//! exact to third order in r, so Newton's method converges at once even for sizeable r.
+//! exact but for terms of third order in r, so Newton's method converges at once even for sizeable r.
 
 use super::{Orbit, Points, Scheme};
 use crate::bifurcation::{Hopf, HopfNormalForm};
-use crate::linalg::c64;
+use crate::linalg::{c64, norm};
 use crate::problem::{Problem, Reflection};
 use std::f64::consts::PI;
 
@@ -44,8 +44,9 @@ pub fn from_hopf(
     (Orbit { mesh, points, degree, nodes, dim: n, part, parts, drift: Vec::new() }, hopf.p[free] + form.p2 * r * r)
 }
 
-/// The reflection that the cycle obeys over half a period, if the problem has one and the mode is odd under it.
-pub fn half_period(problem: &dyn Problem, hopf: &Hopf) -> Option<Reflection> {
+/// The reflection that the cycle obeys over half a period, if the problem has one and the mode is odd under it; `size` is
+/// that of the cycles.
+pub fn half_period(problem: &dyn Problem, hopf: &Hopf, size: f64) -> Option<Reflection> {
     let reflection = problem.reflection()?;
     let (re, im): (Vec<f64>, Vec<f64>) = hopf.q.iter().map(|z| (z.re, z.im)).unzip();
     let odd = |x: &[f64], size: f64| {
@@ -55,6 +56,8 @@ pub fn half_period(problem: &dyn Problem, hopf: &Hopf) -> Option<Reflection> {
     };
     let mut image = vec![0.0; hopf.u.len()];
     reflection.apply(&hopf.u, &mut image);
-    let fixed = image.iter().zip(&hopf.u).all(|(a, b)| (a - b).abs() <= 1e-9);
+    // Large states are reflected up to their rounding.
+    let near = (1e-9 * size).max(1e-12 * norm(&hopf.u));
+    let fixed = image.iter().zip(&hopf.u).all(|(a, b)| (a - b).abs() <= near);
     (fixed && odd(&re, 1.0) && odd(&im, 1.0)).then_some(reflection)
 }

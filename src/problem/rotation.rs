@@ -50,14 +50,18 @@ impl Rotation {
         })
     }
 
-    /// Whether both are rotations of one symmetry with several phases: then they commute, and differ.
+    /// Whether two rotations commute, since each pair turns with both or with one of them alone, and do not turn the same
+    /// pairs.
     pub fn commutes(&self, other: &Rotation) -> bool {
-        let pair = |&(i, j, _): &(usize, usize, f64)| (i.min(j), i.max(j));
-        let turned: Vec<(usize, usize)> = other.planes.iter().map(pair).collect();
+        let pairs = |rotation: &Rotation| {
+            let mut pairs: Vec<_> = rotation.planes.iter().map(|&(i, j, _)| (i.min(j), i.max(j))).collect();
+            pairs.sort_unstable();
+            pairs
+        };
+        let (own, turned) = (pairs(self), pairs(other));
         let apart = |&(i, j): &(usize, usize)| {
             turned.contains(&(i, j)) || !turned.iter().any(|&(k, l)| [k, l].contains(&i) || [k, l].contains(&j))
         };
-        let own: Vec<(usize, usize)> = self.planes.iter().map(pair).collect();
         own.iter().all(apart) && own != turned
     }
 }

@@ -20,10 +20,11 @@ pub const VALUES: [&str; 7] = ["omega", "frequency", "bt_a", "bt_b", "zh_s", "zh
 struct Folds<'a> {
     prepared: &'a Prepared,
     task: &'a scene::Curve,
+    watch: &'a Watch,
 }
 
 pub fn run(prepared: &Prepared, name: &str, task: &scene::Curve, from: &SpecialPoint, watch: &Watch) -> Outcome {
-    let what = Folds { prepared, task };
+    let what = Folds { prepared, task, watch };
     Following { prepared, task, watch, what }.run(empty(prepared, name, task), from)
 }
 
@@ -49,7 +50,11 @@ impl Followed for Folds<'_> {
     }
 
     fn tests(&self, from: &Vec<c64>, to: &Vec<c64>, _: &FoldCurve) -> Vec<(Kind, FoldTest)> {
-        let pairs = HopfSegment::crossing_pairs(from, to).into_iter().filter_map(|test| match test {
+        let pairs = HopfSegment::crossing_pairs(from, to);
+        if HopfSegment::crossings_missed(from, to, &pairs) {
+            self.watch.say("a pair crosses the axis that is too close to others to be told apart".to_owned());
+        }
+        let pairs = pairs.into_iter().filter_map(|test| match test {
             Test::Pair(from, to) => Some((Kind::ZH, FoldTest::Pair(from, to))),
             _ => None,
         });

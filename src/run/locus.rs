@@ -11,6 +11,7 @@ use crate::continuation::{Counts, Failure, Point, StepControl, Stop, Walk};
 use crate::problem::Problem;
 use crate::scene;
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::time::Instant;
 use thiserror::Error;
 
@@ -357,11 +358,26 @@ impl<F: Followed> Following<'_, F> {
         tests.extend(wanted(self.prepared, &self.task.along, &segment.curve));
         let found = tests.into_iter().filter(|(_, test)| ended != Some(*test)).filter_map(|(kind, test)| {
             // A search that fails leaves a gap in what was found, not in the curve.
-            let point = segment.locate(test, counts).ok()??;
-            Some(self.sample(segment, &point, Some((kind, Some(test))), counts))
+            match segment.locate(test, counts) {
+                Ok(point) => Some(self.sample(segment, &point?, Some((kind, Some(test))), counts)),
+                Err(failure) => {
+                    self.watch.say(undecided(kind, segment, &failure));
+                    None
+                }
+            }
         });
         let mut samples: Vec<Sample<F>> = found.collect();
         samples.sort_by(|x, y| segment.along(x.coordinates).total_cmp(&segment.along(y.coordinates)));
         samples
     }
+}
+
+/// That nobody knows whether there is a point of a kind within a step.
+pub fn undecided<C: Locus>(kind: Kind, segment: &Segment<C>, reason: &dyn Display) -> String {
+    let [one, two] = segment.curve.axes();
+    let [from, to] = [&segment.from, &segment.to].map(|point| {
+        let [z1, z2] = segment.curve.coordinates(point);
+        (one.value(z1), two.value(z2))
+    });
+    format!("{kind:?} between {from:?} and {to:?}: not decided: {reason}")
 }

@@ -1,6 +1,7 @@
 //! Events: where an observable of a motion takes a value.
 
 use super::integrate::{Motion, Step};
+use super::returns::excursion;
 use crate::problem::{At, Problem};
 
 /// Which way an observable crosses a value.
@@ -19,7 +20,7 @@ pub struct Event {
     pub direction: Direction,
 }
 
-/// A step is looked at in so many parts, each with at most one crossing.
+/// A step is looked at in so many parts, each with at most one extremum, and one crossing on either side of it.
 const PARTS: usize = 4;
 /// Of regula falsi, each other step by halving: more than it takes to halve a step away.
 const MOST_STEPS: usize = 120;
@@ -38,16 +39,19 @@ impl Event {
         let mut last = (from, value(step.from));
         for k in 1..=PARTS {
             let next = (place(k), value(&step.at(place(k))));
-            // A value that is met at the end of a part belongs to that part.
-            let (up, down) = (last.1 < 0.0 && next.1 >= 0.0, last.1 > 0.0 && next.1 <= 0.0);
-            if match self.direction {
-                Direction::Up => up,
-                Direction::Down => down,
-                Direction::Any => up || down,
-            } {
-                found.push(step.at(zero(last, next, &|t| value(&step.at(t)))));
+            let between = excursion(&|t| value(&step.at(t)), (last, next));
+            for next in between.into_iter().chain([next]) {
+                // A value that is met at the end of a part belongs to that part.
+                let (up, down) = (last.1 < 0.0 && next.1 >= 0.0, last.1 > 0.0 && next.1 <= 0.0);
+                if match self.direction {
+                    Direction::Up => up,
+                    Direction::Down => down,
+                    Direction::Any => up || down,
+                } {
+                    found.push(step.at(zero(last, next, &|t| value(&step.at(t)))));
+                }
+                last = next;
             }
-            last = next;
         }
         found
     }

@@ -15,7 +15,7 @@ pub struct Form<'a> {
 
 /// Newton steps towards a consistent start.
 const STEPS: usize = 50;
-/// Largest step in parts of the unknowns' size before the residual decides.
+/// A step is halved so often until the residual falls.
 const HALVINGS: usize = 20;
 
 impl<'a> Form<'a> {

@@ -240,7 +240,7 @@ impl Leg<'_> {
         match error {
             diffsol::DiffsolError::OdeSolverError(
                 StepSizeTooSmall { .. } | TooManyErrorTestFailures { .. } | TooManyNonlinearSolverFailures { .. },
-            ) => SimulateError::Step { time, step: 1e-15 * (self.course.to - self.course.from) },
+            ) => SimulateError::Step { time, step: LEAST_STEP * (self.course.to - self.course.from) },
             other => SimulateError::Integrator { time, reason: other.to_string() },
         }
     }

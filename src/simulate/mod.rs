@@ -38,7 +38,7 @@ pub enum SimulateError {
     Start,
     #[error(
         "no consistent start: with the differential unknowns as given, the algebraic equations could not be solved \
-         (residual {residual:.1e} of the size of their terms); start closer to a solution of them"
+         (the residual falls to {residual:.1e} of what it was); start closer to a solution of them"
     )]
     Inconsistent { residual: f64 },
     #[error(

@@ -35,10 +35,12 @@ pub struct Returns<'a> {
     since: f64,
     ranges: Vec<Range>,
     extent: f64,
+    /// The longest time between two returns.
+    longest: f64,
     pub list: Vec<Return>,
 }
 
-/// A step is looked at in so many parts, each with at most one crossing and one extremum.
+/// A step is looked at in so many parts, each with at most one extremum, and one crossing on either side of it.
 const PARTS: usize = 3;
 /// First patience in parts of the time given.
 const PATIENCE: f64 = 0.02;
@@ -61,6 +63,7 @@ impl<'a> Returns<'a> {
             since: f64::NEG_INFINITY,
             ranges: Vec::new(),
             extent: 0.0,
+            longest: 0.0,
             list: Vec::new(),
         }
     }
@@ -68,6 +71,7 @@ impl<'a> Returns<'a> {
     fn place(&mut self, motion: &Motion) {
         let length = norm(&motion.v);
         self.list.clear();
+        self.longest = 0.0;
         self.since = motion.t;
         self.begin(motion);
         self.section = (length > 0.0).then(|| (motion.clone(), motion.v.iter().map(|v| v / length).collect()));
@@ -93,24 +97,38 @@ impl<'a> Returns<'a> {
         let mut from = step.from.clone();
         for part in 1..=PARTS {
             let to = if part == PARTS { step.to.clone() } else { step.at(a + (b - a) * part as f64 / PARTS as f64) };
+            if let Some(t) = self.excursion(step, &from, &to) {
+                let split = step.at(t);
+                returned |= self.part(step, &from, &split);
+                from = split;
+            }
             returned |= self.part(step, &from, &to);
             from = to;
         }
-        let longest = self.list.windows(2).map(|pair| pair[1].t - pair[0].t).fold(0.0, f64::max);
         let waited = step.to.t - self.list.last().map_or(self.since, |last| last.t);
-        if waited > self.patience.max(LAPS * longest) {
+        if waited > self.patience.max(LAPS * self.longest) {
             self.patience *= 2.0;
             self.place(step.to);
         }
         returned
     }
 
-    fn part(&mut self, step: &Step, from: &Motion, to: &Motion) -> bool {
-        let Some((base, normal)) = &self.section else { return false };
-        let height = |motion: &Motion| {
+    /// How far a motion is above the section.
+    fn height(&self, motion: &Motion) -> f64 {
+        self.section.as_ref().map_or(0.0, |(base, normal)| {
             let above: Vec<f64> = motion.u.iter().zip(&base.u).map(|(u, c)| u - c).collect();
             dot(&above, normal)
-        };
+        })
+    }
+
+    /// When the motion is farthest on the other side of the section than at both ends of a stretch, if it is.
+    fn excursion(&self, step: &Step, from: &Motion, to: &Motion) -> Option<f64> {
+        let ends = ((from.t, self.height(from)), (to.t, self.height(to)));
+        excursion(&|t| self.height(&step.at(t)), ends).map(|found| found.0)
+    }
+
+    fn part(&mut self, step: &Step, from: &Motion, to: &Motion) -> bool {
+        let height = |motion: &Motion| self.height(motion);
         let crosses = height(from) < 0.0 && height(to) >= 0.0;
         let crossing = crosses.then(|| {
             let (mut a, mut b) = (from.t, to.t);
@@ -138,6 +156,7 @@ impl<'a> Returns<'a> {
             Some(at) => {
                 self.extend(step, from, &at);
                 let ranges = std::mem::take(&mut self.ranges);
+                self.longest = self.list.last().map_or(0.0, |last| at.t - last.t).max(self.longest);
                 self.list.push(Return { t: at.t, u: at.u.clone(), extent: self.extent, ranges });
                 self.begin(&at);
                 self.extend(step, &at, to);
@@ -168,7 +187,7 @@ impl<'a> Returns<'a> {
                 let ends = (sign * a).max(sign * m).max(sign * b);
                 let top = if bend < 0.0 && vertex.abs() <= 1.0 {
                     let f = |t: f64| sign * value(&step.at(t));
-                    ends.max(peak(&f, from.t, to.t))
+                    ends.max(peak(&f, from.t, to.t).1)
                 } else {
                     ends
                 };
@@ -186,8 +205,27 @@ pub fn observe(problem: &dyn Problem, parameters: &dyn Fn(f64) -> Vec<f64>, i: u
     problem.observe(i, At { u: &motion.u, v: &motion.v, p: &parameters(motion.t) })
 }
 
-/// The largest value of a function of one hump by golden section.
-fn peak(f: &dyn Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
+/// Where a function of one extremum is on the other side of zero than at both ends of a stretch, farthest from zero, and its
+/// value there.
+pub(super) fn excursion(f: &dyn Fn(f64) -> f64, (from, to): ((f64, f64), (f64, f64))) -> Option<(f64, f64)> {
+    let side = from.1.signum();
+    if from.1 == 0.0 || to.1 * side <= 0.0 || to.0 <= from.0 {
+        return None;
+    }
+    let beyond = |t: f64| -side * f(t);
+    let (a, m, b) = (-side * from.1, beyond(0.5 * (from.0 + to.0)), -side * to.1);
+    // The parabola's vertex, in [-1, 1] inside the stretch; its height is right to a small part of its bend.
+    let bend = a - 2.0 * m + b;
+    let vertex = -0.5 * (b - a) / bend;
+    if bend >= 0.0 || vertex.abs() > 1.0 || m - 0.5 * bend * vertex * vertex < 0.5 * bend {
+        return None;
+    }
+    let (t, top) = peak(&beyond, from.0, to.0);
+    (top > 0.0).then_some((t, -side * top))
+}
+
+/// Where a function of one hump is largest, and its value there, by golden section.
+fn peak(f: &dyn Fn(f64) -> f64, mut a: f64, mut b: f64) -> (f64, f64) {
     let ratio = 0.5 * (5.0_f64.sqrt() - 1.0);
     let (mut c, mut d) = (b - ratio * (b - a), a + ratio * (b - a));
     let (mut at_c, mut at_d) = (f(c), f(d));
@@ -203,5 +241,22 @@ fn peak(f: &dyn Fn(f64) -> f64, mut a: f64, mut b: f64) -> f64 {
             at_d = f(d);
         }
     }
-    at_c.max(at_d)
+    if at_c > at_d { (c, at_c) } else { (d, at_d) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn excursions_are_found_where_they_reach_the_other_side() {
+        let found = |depth: f64| {
+            let f = |t: f64| 4.0 * (t - 0.4).powi(2) - depth;
+            excursion(&f, ((0.0, f(0.0)), (1.0, f(1.0))))
+        };
+        let (t, value) = found(1e-3).unwrap();
+        assert!((t - 0.4).abs() < 1e-6 && (value + 1e-3).abs() < 1e-12, "{t} {value}");
+        assert_eq!(found(-1e-3), None);
+        assert_eq!(excursion(&|t: f64| t, ((0.0, 0.0), (1.0, 1.0))), None);
+    }
 }

@@ -148,7 +148,7 @@ impl Flagellum {
         let free = self.index("p");
         let hopf = self.hopf(onset, 0);
         let form = HopfNormalForm::new(&*self.problem, &hopf).expect("a normal form");
-        let symmetry = half_period(&*self.problem, &hopf).expect("an odd mode");
+        let symmetry = half_period(&*self.problem, &hopf, 1.0).expect("an odd mode");
         // A first cycle slightly above the onset.
         let r = (0.002 * hopf.p[free] / form.p2).sqrt();
         assert!(r.is_finite(), "subcritical");

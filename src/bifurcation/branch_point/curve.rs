@@ -13,10 +13,9 @@
 //! they would if the problem were changed by beta b. The solution of the linear system is by block elimination.
 
 use super::{Frame, Place, Scales};
-use crate::bifurcation::steady::unit;
 use crate::bifurcation::{Coordinate, Locus, Segment};
-use crate::continuation::{Border, Counts, Factored, Failure, Point, System, correct, inner};
-use crate::linalg::{Lu, Singular, dot};
+use crate::continuation::{Border, Counts, Factored, Failure, Point, System, correct, normalise};
+use crate::linalg::{Lu, Singular, dot, unit};
 use crate::problem::{At, Direction, Problem};
 use faer::Mat;
 use std::sync::Arc;
@@ -191,11 +190,7 @@ impl System for BranchCurve {
         if let Ok(frame) = self.frame(&point.x, point.lambda) {
             (self.c, self.b) = frame.borders();
         }
-        let length = inner(self, (&point.tangent, point.tangent_lambda), (&point.tangent, point.tangent_lambda)).sqrt();
-        if length > 0.0 {
-            point.tangent.iter_mut().for_each(|t| *t /= length);
-            point.tangent_lambda /= length;
-        }
+        normalise(self, point);
         false
     }
 }

@@ -1,8 +1,8 @@
 //! The normal form at a branch point.
 
 use super::{Place, Tangent};
-use crate::bifurcation::steady::{Steady, positive, unit};
-use crate::linalg::{Matrix, Singular, dot};
+use crate::bifurcation::steady::{Steady, positive};
+use crate::linalg::{Matrix, Singular, dot, unit};
 use crate::problem::{At, Direction};
 
 /// On the centre manifold, `u = u_0 + x q + m v + ...`, m the deviation of the parameter and (v, 1) the tangent of one of
@@ -11,13 +11,13 @@ use crate::problem::{At, Direction};
 /// ```text
 /// x' = b m x + c x² (transcritical),      x' = b m x + d x³ (pitchfork),      |q| = 1, w^T M q = 1,
 /// b = -w^T D²G[(q, 0), (v, 1)],           c = -w^T D²G[q, q] / 2,
-/// d = -w^T ( D³G[q, q, q] + 3 D²G[q, h] ) / 6,       G_u h = -D²G[q, q]
+/// d = -w^T ( D³G[q, q, q] + 3 D²G[q, h] ) / 6,       G_u h = -D²G[q, q] - 2 c M q
 /// ```
 ///
 /// Where zero is a double eigenvalue, as without damping, `w^T M q = 0`: then it is `x'' = ...` with `w^T M q_1 = 1`,
 /// `G_u q_1 = -M q`.
 ///
-/// (Kuznetsov 2004, doi:10.1007/978-1-4757-3978-7, sections 7.1 and 8.1; Golubitsky and Schaeffer 1985,
+/// (Kuznetsov 2004, doi:10.1007/978-1-4757-3978-7, section 7.4, where symmetry makes the pitchfork; Golubitsky and Schaeffer 1985,
 /// doi:10.1007/978-1-4612-5034-0, chapter 2; written for the implicit form). The largest entry of q is positive.
 #[derive(Clone, Debug)]
 pub struct BranchForm {

@@ -20,9 +20,9 @@ mod form;
 pub use curve::BranchCurve;
 pub use form::BranchForm;
 
-use super::steady::{size, unit};
+use super::steady::size;
 use crate::continuation::Failure;
-use crate::linalg::{BorderedMatrix, Lu, Matrix, Singular, dot, finite};
+use crate::linalg::{BorderedMatrix, Lu, Matrix, Singular, any, dot, finite, unit};
 use crate::problem::{At, Direction, Problem};
 use faer::Mat;
 use thiserror::Error;
@@ -170,8 +170,7 @@ impl BranchPoint {
         chord.push(tangent.p * scales.state / scales.parameter);
         let chord = unit(&chord);
         // Of the kernels no more is known than the tangent; a few inverse iterations find them.
-        let any: Vec<f64> = (0..=n).map(|i| 1.0 + (7 * i % 5) as f64).collect();
-        let (mut c, mut b) = ([chord.clone(), unit(&any)], unit(&any[..n]));
+        let (mut c, mut b) = ([chord.clone(), unit(&any(n + 1))], unit(&any(n)));
         for _ in 0..3 {
             (c, b) = Frame::new(&place, At { u: &u, v: &rest, p: &p }, &c, &b)?.borders();
         }

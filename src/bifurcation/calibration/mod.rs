@@ -20,6 +20,7 @@ pub use fit::{Fit, FitError};
 pub use reach::Lost;
 
 use super::{Coordinate, Hopf, HopfError, HopfNormalForm};
+use crate::linalg::finite;
 use crate::problem::Problem;
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::PI;
@@ -136,10 +137,11 @@ impl Calibration {
         })
     }
 
-    /// (quantity - value) / scale for each target.
+    /// (quantity - value) / scale for each target; an error where one is not finite.
     pub fn residuals(&self, hopf: &Hopf) -> Result<DVector<f64>, HopfError> {
         let of = |t: &Target| Ok((self.quantity(hopf, t.quantity)? - t.value) / t.scale);
-        Ok(DVector::from_vec(self.targets.iter().map(of).collect::<Result<_, HopfError>>()?))
+        let residuals: Vec<f64> = self.targets.iter().map(of).collect::<Result<_, HopfError>>()?;
+        if finite(&residuals) { Ok(DVector::from_vec(residuals)) } else { Err(HopfError::NotFinite) }
     }
 
     /// d residuals / dx: exact for parameter and frequency, by differences of exact values for the others.

@@ -18,9 +18,9 @@ pub use blocks::FoldFactors;
 pub use segment::{FoldSegment, FoldTest};
 
 use super::Coordinate;
-use super::steady::{Steady, unit};
-use crate::continuation::{Border, Counts, Failure, Point, System, correct, inner};
-use crate::linalg::{Singular, c64, dot, pencil};
+use super::steady::Steady;
+use crate::continuation::{Border, Counts, Failure, Point, System, correct, normalise};
+use crate::linalg::{Singular, any, c64, dot, pencil, unit};
 use crate::problem::{At, Direction, Problem};
 use faer::Mat;
 use std::sync::Arc;
@@ -51,9 +51,8 @@ impl FoldCurve {
     ) -> Result<(Self, Point), Failure> {
         let n = problem.dim();
         let rms = (dot(u, u) / n as f64).sqrt();
-        let any: Vec<f64> = (0..n).map(|i| 1.0 + (7 * i % 5) as f64).collect();
         let scale_state = if rms > 0.0 { rms } else { 1.0 };
-        let (p, beta, gamma) = (p.to_vec(), unit(&any), unit(&any));
+        let (p, beta, gamma) = (p.to_vec(), unit(&any(n)), unit(&any(n)));
         let mut curve = Self { problem, p, first, second, scale_state, beta, gamma };
         let mut x = u.to_vec();
         x.push(first.of(curve.p[first.index]));
@@ -176,11 +175,7 @@ impl System for FoldCurve {
         if let Ok((q, w, _)) = self.kernel(point) {
             (self.gamma, self.beta) = (unit(&q), unit(&w));
         }
-        let length = inner(self, (&point.tangent, point.tangent_lambda), (&point.tangent, point.tangent_lambda)).sqrt();
-        if length > 0.0 {
-            point.tangent.iter_mut().for_each(|t| *t /= length);
-            point.tangent_lambda /= length;
-        }
+        normalise(self, point);
         false
     }
 }

@@ -3,7 +3,7 @@
 use super::Scalar;
 use crate::bifurcation::Hopf;
 use crate::bifurcation::steady::Steady;
-use crate::linalg::{c64, dot};
+use crate::linalg::{any, c64, real_direction, unit};
 use crate::problem::Prolongation;
 use faer::MatRef;
 
@@ -24,12 +24,12 @@ impl Borders {
     /// At a Hopf point, by its eigenvectors. No vector is known to be near the kernel of G_u; two steps of inverse
     /// iteration ([`Borders::follow`]) from any make one.
     pub fn start(hopf: &Hopf) -> Self {
-        let any: Vec<f64> = (0..hopf.u.len()).map(|i| 1.0 + (7 * i % 5) as f64).collect();
+        let start = unit(&any(hopf.u.len()));
         Self {
             column: real_direction(&hopf.w.iter().map(|z| z.conj()).collect::<Vec<_>>()),
             row: real_direction(&hopf.q),
-            beta: unit(any.clone()),
-            gamma: unit(any),
+            beta: start.clone(),
+            gamma: start,
             unit: hopf.omega,
         }
     }
@@ -43,7 +43,7 @@ impl Borders {
         }
         if let Ok(steady) = Steady::new(gu, &self.beta, &self.gamma) {
             let (right, left) = (steady.solve(&vec![0.0; n], 1.0), steady.left(n));
-            (self.gamma, self.beta) = (unit(right[..n].to_vec()), unit(left[..n].to_vec()));
+            (self.gamma, self.beta) = (unit(&right[..n]), unit(&left[..n]));
         }
         self.unit = kappa.abs().sqrt().max(SHRINK * self.unit);
     }
@@ -58,16 +58,4 @@ impl Borders {
             unit: self.unit,
         }
     }
-}
-
-fn unit(x: Vec<f64>) -> Vec<f64> {
-    let size = dot(&x, &x).sqrt();
-    x.iter().map(|x| x / size).collect()
-}
-
-/// A real unit vector with as large a product with z as there is: the real part of z in the phase that makes it largest.
-fn real_direction(z: &[c64]) -> Vec<f64> {
-    let square: c64 = z.iter().map(|z| z * z).sum();
-    let turn = if square.norm() > 0.0 { c64::from_polar(1.0, -0.5 * square.arg()) } else { c64::new(1.0, 0.0) };
-    unit(z.iter().map(|z| (z * turn).re).collect())
 }

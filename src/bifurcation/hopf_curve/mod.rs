@@ -17,7 +17,7 @@ pub use segment::{HopfSegment, Test};
 use super::steady::Steady;
 use super::{Coordinate, Locus};
 use super::{Hopf, HopfError};
-use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, correct, inner};
+use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, correct, normalise};
 use crate::linalg::{Eigenpair, Singular, c64, dot, pencil};
 use crate::problem::{At, Problem, Prolongation};
 pub(super) use blocks::Place;
@@ -219,11 +219,7 @@ impl System for HopfCurve {
         let (gu, gv, _) = self.linearised(&point.x[..n], self.coordinates(point));
         let kappa = self.kappa(point);
         self.borders.follow(gu.as_ref(), gv.as_ref(), kappa);
-        let length = inner(self, (&point.tangent, point.tangent_lambda), (&point.tangent, point.tangent_lambda)).sqrt();
-        if length > 0.0 {
-            point.tangent.iter_mut().for_each(|t| *t /= length);
-            point.tangent_lambda /= length;
-        }
+        normalise(self, point);
         false
     }
 }

@@ -90,11 +90,49 @@ impl HopfSegment {
             .collect()
     }
 
+    /// Whether more pairs have crossed the axis than these tests are for: of two that are close, none may be known again.
+    pub fn crossings_missed(from: &[c64], to: &[c64], tests: &[Test]) -> bool {
+        let gain = |counted: fn(&c64) -> bool| {
+            let count = |list: &[c64]| list.iter().filter(|z| z.re > 0.0 && counted(z)).count() as isize;
+            count(to) - count(from)
+        };
+        let way = |test: &Test| match test {
+            Test::Pair(from, _) if from.re < 0.0 => 1,
+            Test::Pair(..) => -1,
+            _ => 0,
+        };
+        let ways: isize = tests.iter().map(way).sum();
+        // A pair that turns real does not change how many grow, and real ones that cross are no pair.
+        (gain(|_| true) - 2 * ways).abs() > 1 && gain(|z| z.im > 0.0) != ways
+    }
+
     /// The same step on a finer discretisation.
     pub fn refined(&self, problem: Arc<dyn Problem>, prolong: &Prolongation) -> Result<Self, Failure> {
         let curve = self.curve.refined(problem, prolong);
         let mut counts = Counts::default();
         let mut onto = |point: &Point| self.curve.onto(&curve, prolong, point, &mut counts);
         Ok(Self { from: onto(&self.from)?, to: onto(&self.to)?, curve: curve.clone() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of two close pairs one crosses; each is the other's neighbour at one end.
+    #[test]
+    fn a_pair_that_cannot_be_told_apart_is_missed_with_a_word() {
+        let z = |re: f64, im: f64| c64::new(re, im);
+        let pairs = |list: &[c64]| list.iter().flat_map(|z| [*z, z.conj()]).collect::<Vec<_>>();
+        let missed = |from: &[c64], to: &[c64]| {
+            let tests = HopfSegment::crossing_pairs(from, to);
+            (tests.len(), HopfSegment::crossings_missed(from, to, &tests))
+        };
+        let from = pairs(&[z(-0.1, 2.0), z(-0.1, 5.0)]);
+        assert_eq!(missed(&from, &pairs(&[z(0.1, 2.0), z(-0.1, 5.0)])), (1, false));
+        assert!(missed(&from, &pairs(&[z(0.3, 3.4), z(-0.3, 3.3)])).1);
+        // A growing pair turns real.
+        let real = [pairs(&[z(-0.1, 2.0)]), vec![z(0.1, 0.0), z(0.2, 0.0)]].concat();
+        assert_eq!(missed(&pairs(&[z(-0.1, 2.0), z(0.15, 0.1)]), &real), (0, false));
     }
 }

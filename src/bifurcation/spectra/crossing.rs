@@ -2,13 +2,15 @@
 
 use super::{MOST_HALVINGS, Mark, Sample, Spectra, middle};
 use crate::bifurcation::{Hopf, HopfNormalForm, settle};
-use crate::continuation::{Counts, Failure, Point, at_fraction, at_lambda};
+use crate::continuation::{Counts, Point, at_fraction, at_lambda};
 use crate::linalg::{c64, growth};
 
 impl Spectra<'_> {
     /// Inserts every Hopf point: a followed pair whose real part changes sign between two samples, solved for on its
-    /// defining system. Pairs that stay on the axis, or meet there and leave it, cross nothing.
-    pub fn hopf_points(&self, samples: &mut Vec<Sample>, counts: &mut Counts) -> Result<(), Failure> {
+    /// defining system. Pairs that stay on the axis, or meet there and leave it, cross nothing. Returns where pairs cross the
+    /// axis without a Hopf point that can be solved for, in a sentence each.
+    pub fn hopf_points(&self, samples: &mut Vec<Sample>, counts: &mut Counts) -> Vec<String> {
+        let mut doubts = Vec::new();
         let side = |s: &Sample, k: usize| {
             let met = matches!(s.mark, Some(Mark::Exceptional(_)));
             if met || s.followed[k].im <= 0.0 { 0.0 } else { growth(s.followed[k]) }
@@ -32,6 +34,16 @@ impl Spectra<'_> {
                 let near = 1e-9 * (b.point.lambda - a.point.lambda).abs();
                 counted.retain(|s| found.iter().all(|t| (s.point.lambda - t.point.lambda).abs() > near));
                 found.append(&mut counted);
+                let pairs = |s: &Sample| s.values.iter().filter(|z| z.im > 0.0 && growth(**z) > 0.0).count();
+                if self.unexplained((a, b), &found) && pairs(a) != pairs(b) && !(self.stopped)() {
+                    let [from, to] = [a, b].map(|s| self.system.coordinate.value(s.point.lambda));
+                    doubts.push(format!(
+                        "the number of growing eigenvalues goes from {} to {} between {from:?} and {to:?}, but no Hopf point can \
+                         be solved for that explains it",
+                        growing(a),
+                        growing(b)
+                    ));
+                }
             }
             found.sort_by(|x, y| {
                 let along = |s: &Sample| (s.point.lambda - a.point.lambda) / (b.point.lambda - a.point.lambda);
@@ -47,7 +59,7 @@ impl Spectra<'_> {
             }
             i += count + 1;
         }
-        Ok(())
+        doubts
     }
 
     /// Whether the number of growing eigenvalues changes otherwise than by these Hopf points: a pair may come from so deep

@@ -1,5 +1,6 @@
 //! A column-major matrix of plain numbers, and the reflectors that act on a few of its rows or columns.
 
+use crate::linalg::dot;
 use faer::{MatMut, MatRef};
 
 /// Rows by columns, column after column without gaps.
@@ -72,19 +73,6 @@ impl From<MatRef<'_, f64>> for Dense {
         out.view_mut().copy_from(a);
         out
     }
-}
-
-/// The dot product, in eight sums side by side.
-pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (xs, ys) = (x.chunks_exact(8), y.chunks_exact(8));
-    let rest: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in xs.zip(ys) {
-        for l in 0..8 {
-            sums[l] += x[l] * y[l];
-        }
-    }
-    sums.iter().sum::<f64>() + rest
 }
 
 /// `y += a x`.

@@ -13,9 +13,10 @@
 //! When all that is wanted has converged, a vector from elsewhere is carried round as well: what one start cannot see
 //! (several eigenvectors of one eigenvalue) shows then.
 
-use super::dense::{Dense, axpy, dot};
+use super::dense::{Dense, axpy};
 use super::ritz::Ritz;
 use super::{Eigenvalue, PeriodicError, Product, all, subspace};
+use crate::linalg::dot;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};
 

@@ -7,10 +7,11 @@
 //! A start that is nearly invariant is so to rounding after a round or two (Stewart 1976, doi:10.1007/BF01432880), and a
 //! round reads every factor once.
 
-use super::dense::{Dense, axpy, dot};
+use super::dense::{Dense, axpy};
 use super::krylov::DEPENDENT;
 use super::ritz::Ritz;
 use super::{Eigenvalue, Product};
+use crate::linalg::dot;
 use faer::Accum::{Add, Replace};
 use faer::Par;
 use faer::linalg::matmul::matmul;

@@ -2,7 +2,8 @@
 //!
 //! Along with such a quantity the Jacobian is singular on whole branches. Its value becomes a parameter, and
 //! `0 = c(u) - total` takes the place of one of the equations, which follows from it and the others: that of the unknown
-//! on which c depends most. On the level set the problem is the same, the trivial eigenvalue zero is gone from the pencil
+//! on which c depends most. c must be linear in the unknowns: where a factor depends on the state, it may vanish, and the
+//! equation does not follow any more. On the level set the problem is the same, the trivial eigenvalue zero is gone from the pencil
 //! (a row of M is zero), and all that is done to equilibria, curves and cycles holds as it stands.
 
 use super::formula::Text;
@@ -84,7 +85,7 @@ pub(super) fn replace(
     Ok(read.into_iter().map(|(quantity, _)| quantity).collect())
 }
 
-/// The gradients at a random state, after `grad c . F = 0` was tried at several.
+/// The gradients, constant in the state, after `grad c . F = 0` was tried at several random states.
 fn gradients(
     graph: &Graph,
     unknowns: &Unknowns,
@@ -108,16 +109,25 @@ fn gradients(
             let (mut still, mut moving) = (vec![0.0; n], vec![0.0; n]);
             residual.evaluate(&u, &rest, &p, &mut still);
             residual.evaluate(&u, &v, &p, &mut moving);
-            let mut gradient = vec![0.0; n];
             let dual = |x: &[f64]| x.iter().map(|&x| Dual64::from(x)).collect::<Vec<_>>();
-            let (mut at, held, values) = (dual(&u), dual(&rest), dual(&p));
-            let (mut drift, mut scale) = (0.0_f64, 0.0_f64);
-            for i in row.unknowns.iter().map(|&i| i as usize) {
+            let (held, values) = (dual(&rest), dual(&p));
+            let slope = |u: &[f64], i: usize| {
+                let mut at = dual(u);
                 at[i].eps = 1.0;
                 let mut out = [Dual64::from(0.0)];
                 tape.evaluate(&at, &held, &values, &mut out);
-                at[i].eps = 0.0;
-                gradient[i] = out[0].eps;
+                out[0].eps
+            };
+            let mut gradient = vec![0.0; n];
+            let (mut drift, mut scale) = (0.0_f64, 0.0_f64);
+            for i in row.unknowns.iter().map(|&i| i as usize) {
+                gradient[i] = slope(&u, i);
+                if (slope(&v, i) - gradient[i]).abs() > TOLERANCE * gradient[i].abs() {
+                    let x = &unknowns.names[i];
+                    return refuse(format!(
+                        "is not linear in {x}; a conserved quantity must be linear in the unknowns"
+                    ));
+                }
                 let terms = gradient[i] * still[i];
                 (drift, scale) = (drift + terms, scale.max(terms.abs()));
                 if (moving[i] - still[i] - v[i]).abs() > TOLERANCE * (moving[i].abs() + still[i].abs() + 1.0) {

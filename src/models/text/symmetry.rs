@@ -10,7 +10,7 @@ use crate::expression::{Node, suggest};
 use crate::problem::{Reflection, Rotation};
 use std::collections::HashMap;
 
-/// Relative to the largest term; far above rounding, far below any true difference.
+/// Relative to the equation's own value; far above rounding, far below any true difference.
 const TOLERANCE: f64 = 1e-9;
 
 /// A map that is its own inverse.
@@ -172,11 +172,10 @@ fn check(text: &Text, reflection: &Reflection) -> Result<(), Wrong> {
     let (mut g, mut image) = (vec![0.0; n], vec![0.0; n]);
     text.residual.evaluate(&u, &v, &p, &mut g);
     text.residual.evaluate(&image_u, &image_v, &p, &mut image);
-    let scale = g.iter().filter(|g| g.is_finite()).fold(0.0_f64, |scale, g| scale.max(g.abs()));
     for i in 0..n {
-        let expected = g[reflection.source[i]];
+        let (seen, expected) = (image[i].abs(), g[reflection.source[i]].abs());
         // Where the formulas have no value there, the author is trusted.
-        if (image[i].abs() - expected.abs()).abs() > TOLERANCE * scale {
+        if (seen - expected).abs() > TOLERANCE * seen.max(expected) {
             let message = format!("the symmetry does not hold: the equation of {} changes", text.names[i]);
             return Err(Wrong { offset: None, message });
         }
@@ -199,8 +198,12 @@ fn check_turn(text: &Text, rotation: &Rotation) -> Result<(), Wrong> {
     text.residual.evaluate(&u, &v, &p, &mut expected);
     [&mut u, &mut v, &mut expected].into_iter().for_each(|x| rotation.turn(ANGLE, x));
     text.residual.evaluate(&u, &v, &p, &mut seen);
-    let scale = expected.iter().filter(|g| g.is_finite()).fold(0.0_f64, |scale, g| scale.max(g.abs()));
-    match (0..n).find(|&i| (seen[i] - expected[i]).abs() > TOLERANCE * scale) {
+    let mut sizes: Vec<f64> = expected.iter().zip(&seen).map(|(a, b)| a.abs().max(b.abs())).collect();
+    for &(i, j, _) in &rotation.planes {
+        let size = sizes[i].max(sizes[j]);
+        (sizes[i], sizes[j]) = (size, size);
+    }
+    match (0..n).find(|&i| (seen[i] - expected[i]).abs() > TOLERANCE * sizes[i]) {
         None => Ok(()),
         Some(i) => {
             let message =

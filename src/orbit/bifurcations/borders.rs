@@ -1,7 +1,7 @@
 //! Reference vectors of the bordered systems along a branch of critical cycles.
 
 use super::{Critical, Place};
-use crate::linalg::{c64, dot};
+use crate::linalg::{any, dot, real_direction, unit};
 use crate::orbit::{Orbit, Scheme};
 
 /// Borders: columns in the closing conditions, rows as functions at all nodes.
@@ -19,7 +19,7 @@ impl Borders {
     /// Any vectors: a few steps of [`Borders::follow`] make good ones.
     pub fn any(orbit: &Orbit, kind: Critical) -> Self {
         let n = orbit.dim;
-        let column: Vec<f64> = unit(&(0..n).map(|i| 1.0 + (7 * i % 5) as f64).collect::<Vec<_>>());
+        let column = unit(&any(n));
         let count = orbit.nodes.len() / n;
         let size = (count as f64).sqrt();
         let row: Vec<f64> = (0..count).flat_map(|_| column.iter().map(|c| c / size)).collect();
@@ -56,23 +56,6 @@ impl Borders {
         let critical = self.critical.as_ref().map(|(column, row)| (map(column), all(row)));
         Self { column: map(&self.column), row: all(&self.row), row_part: self.row_part, critical }
     }
-}
-
-pub fn unit(x: &[f64]) -> Vec<f64> {
-    let size = dot(x, x).sqrt();
-    if size > 0.0 { x.iter().map(|x| x / size).collect() } else { x.to_vec() }
-}
-
-/// The phase factor that makes the real part of z largest.
-pub fn turn(z: &[c64]) -> c64 {
-    let square: c64 = z.iter().map(|z| z * z).sum();
-    if square.norm() > 0.0 { c64::from_polar(1.0, -0.5 * square.arg()) } else { c64::new(1.0, 0.0) }
-}
-
-/// A real unit vector with as large a product with z as there is.
-pub fn real_direction(z: &[c64]) -> Vec<f64> {
-    let turn = turn(z);
-    unit(&z.iter().map(|z| (z * turn).re).collect::<Vec<_>>())
 }
 
 /// Quadrature weights of all nodes: `int f dtau = sum weight f`.

@@ -14,12 +14,11 @@
 //! doi:10.1137/1.9780898719543). With `a_ij` the derivative of g_i along q_j, tangents t = s_1 q_1 + s_2 q_2 solve
 //! `sum a_ij s_i s_j = 0`, the algebraic bifurcation equation (Keller 1977).
 
-use super::borders::unit;
 use super::closing::{Closed, Closing, Right, Solution};
 use super::linear::{Field, Linear};
 use super::place::negated;
 use crate::continuation::{Counts, Failure, Point, System};
-use crate::linalg::{Lu, Singular, dot, finite};
+use crate::linalg::{Lu, Singular, any, dot, finite, unit};
 use crate::orbit::{Collocation, Orbit};
 use faer::Mat;
 
@@ -97,10 +96,10 @@ impl BranchPoint {
             let dual = system.dual(t);
             (dual[..equations].to_vec(), [dual[equations], system.dual_lambda() * t_lambda])
         };
-        let any: Vec<f64> = (0..n).map(|i| 1.0 + (7 * i % 5) as f64).collect();
-        let spread: Vec<f64> = any.iter().copied().cycle().take(equations).chain([0.0]).collect();
+        let column = any(n);
+        let spread: Vec<f64> = column.iter().copied().cycle().take(equations).chain([0.0]).collect();
         let (first, second) = (row(&near.tangent, near.tangent_lambda), row(&spread, 0.0));
-        let mut rows = Rows { column: unit(&any), nodes: [first.0, second.0], direct: [first.1, second.1] };
+        let mut rows = Rows { column: unit(&column), nodes: [first.0, second.0], direct: [first.1, second.1] };
         let (mut x, mut lambda, mut alpha) = (near.x.clone(), near.lambda, 0.0);
         for _ in 0..FOLLOWED {
             let cross = Cross::new(system, (system.orbit(&x), lambda), &rows)?;
@@ -172,7 +171,8 @@ impl BranchPoint {
         let [a, b, c] = [by[0][0], 0.5 * (by[0][1] + by[1][0]), by[1][1]];
         let discriminant = b * b - a * c;
         let mut tangents: Vec<Point> = Vec::new();
-        if discriminant > 0.0 {
+        // Less is rounding of two equal tangents.
+        if discriminant > 1e-10 * (b * b + a.abs().max(c.abs()).powi(2)) {
             // The two roots without cancellation.
             let root = b + b.signum() * discriminant.sqrt();
             for s in [[root, -a], [c, -root]] {

@@ -84,7 +84,6 @@ impl Closed {
             if let Some(b) = &closing.column {
                 a[(row, d * n + component)] = -(0..n).map(|k| last(k) * b[k]).sum::<f64>();
             }
-            row
         };
         for component in 0..d {
             for i in 0..n {

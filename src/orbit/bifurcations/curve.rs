@@ -7,7 +7,7 @@
 use super::signs::{flip, torus};
 use super::{Critical, CriticalCycle, CriticalFactors, CycleNormalForm, Place};
 use crate::bifurcation::{Coordinate, Locus, Segment};
-use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, correct, inner};
+use crate::continuation::{Border, Corrected, Counts, Failure, Point, System, correct, inner, normalise};
 use crate::linalg::{Singular, c64};
 use crate::orbit::{Collocation, Orbit, Transitions, multipliers};
 use crate::problem::Refinement;
@@ -176,11 +176,7 @@ impl System for CycleCurve {
         self.cache = Cache::default();
         // Old borders serve where new ones cannot be had.
         let _ = self.cycle.follow(&Self::unknowns(point));
-        let length = inner(self, (&point.tangent, point.tangent_lambda), (&point.tangent, point.tangent_lambda)).sqrt();
-        if length > 0.0 {
-            point.tangent.iter_mut().for_each(|t| *t /= length);
-            point.tangent_lambda /= length;
-        }
+        normalise(self, point);
         moved
     }
 }

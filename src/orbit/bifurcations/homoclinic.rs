@@ -15,7 +15,7 @@
 
 use crate::bifurcation::Fold;
 use crate::continuation::Point;
-use crate::linalg::{Lu, c64, dot, finite, pencil};
+use crate::linalg::{Lu, c64, dot, finite, norm, pencil};
 use crate::orbit::{Collocation, Orbit};
 use crate::problem::{At, Problem};
 use faer::Mat;
@@ -47,13 +47,15 @@ pub enum Passed {
 /// The end of the branch.
 #[derive(Clone, Debug)]
 pub struct Homoclinic {
-    /// Where the period is infinite, and how far the last two estimates differ; of a fold what rounding leaves open.
+    /// Where the period is infinite, and how far the last two estimates differ, or estimates by the two rates; of a fold
+    /// what rounding leaves open.
     pub lambda: f64,
     pub error: f64,
     pub passed: Passed,
 }
 
-/// The branch has ended beside a saddle when it is this near, in parts of its own extent,
+/// The branch has ended beside a saddle when it is this near, in parts of its own extent, or as near as the tolerance of
+/// its meshes can tell,
 const NEAR: f64 = 1e-8;
 /// and the two rates agree so well; without a rate to compare with, when lambda does not change any more while P grows.
 const AGREEMENT: f64 = 0.05;
@@ -106,12 +108,15 @@ fn saddle(passages: &[Passage], (system, point): (&Collocation, &Point), extent:
     };
     let ((before, _), (lambda, rate)) = (estimate(first, second), estimate(second, third));
     let left = (third.lambda - lambda).abs();
-    if !(rate > 0.0 && left < NEAR * extent) {
+    let near = NEAR.max(system.tolerance.unwrap_or(0.0));
+    if !(rate > 0.0 && left < near * extent) {
         return None;
     }
     let own = leading(system, point, rate).map(|value| value.re);
-    let agree = own.is_some_and(|own| (own / rate - 1.0).abs() < AGREEMENT);
-    let error = (lambda - before).abs().max(left * f64::EPSILON.sqrt());
+    // Where the rates disagree, the discretisation has its share in what is left.
+    let apart = own.map(|own| (own / rate - 1.0).abs());
+    let agree = apart.is_some_and(|apart| apart < AGREEMENT);
+    let error = (lambda - before).abs().max(left * apart.unwrap_or(0.0).max(f64::EPSILON.sqrt()));
     let passed = Passed::Saddle { rate, own };
     (agree || left < STANDSTILL * extent).then_some(Homoclinic { lambda, error, passed })
 }
@@ -129,7 +134,7 @@ fn saddle_node(passages: &[Passage], (system, point): (&Collocation, &Point)) ->
     let (u, v) = slowest(&system.orbit(&point.x));
     let (free, mut p) = (system.frame.free, system.frame.p.clone());
     p[free] = place;
-    let fold = Fold::locate(&*system.frame.problem, (&u, &p), free, &v).ok()?;
+    let fold = Fold::locate(&*system.frame.problem, (&u, &p), (free, system.frame.scale_lambda), &v).ok()?;
     let lambda = fold.p[free];
     let agree = (lambda - place).abs() < SAME * (third.lambda - lambda).abs();
     let error = fold.rounding.abs().max(4.0 * f64::EPSILON * lambda.abs());
@@ -175,8 +180,8 @@ fn slowest(orbit: &Orbit) -> (Vec<f64>, Vec<f64>) {
     motions.min_by(|a, b| dot(&a.1, &a.1).total_cmp(&dot(&b.1, &b.1))).unwrap_or_default()
 }
 
-/// The equilibrium nearest to a state, by Newton's method.
-fn equilibrium(problem: &dyn Problem, start: &[f64], p: &[f64]) -> Option<Vec<f64>> {
+/// The equilibrium nearest to a state, by Newton's method; `size` is that of states.
+fn equilibrium(problem: &dyn Problem, (start, size): (&[f64], f64), p: &[f64]) -> Option<Vec<f64>> {
     let (mut u, rest) = (start.to_vec(), vec![0.0; start.len()]);
     for _ in 0..MOST_STEPS {
         let at = At { u: &u, v: &rest, p };
@@ -188,7 +193,7 @@ fn equilibrium(problem: &dyn Problem, start: &[f64], p: &[f64]) -> Option<Vec<f6
             return None;
         }
         u.iter_mut().zip(&r).for_each(|(u, d)| *u -= d);
-        if dot(&r, &r) <= 1e-24 * (1.0 + dot(&u, &u)) {
+        if norm(&r) <= 1e-12 * size.max(norm(&u)) {
             return Some(u);
         }
     }
@@ -199,7 +204,9 @@ fn equilibrium(problem: &dyn Problem, start: &[f64], p: &[f64]) -> Option<Vec<f6
 /// orbit slows down, on whichever side; None if it is no saddle. `size` is that of its rate.
 fn leading(system: &Collocation, point: &Point, size: f64) -> Option<c64> {
     let (problem, p) = (&*system.frame.problem, system.parameters(point.lambda));
-    let u = equilibrium(problem, &slowest(&system.orbit(&point.x)).0, &p)?;
+    let orbit = system.orbit(&point.x);
+    let extent = norm(&orbit.nodes) / ((orbit.nodes.len() / orbit.dim) as f64).sqrt();
+    let u = equilibrium(problem, (&slowest(&orbit).0, extent), &p)?;
     let rest = vec![0.0; u.len()];
     let (gu, gv) = problem.linearised(At { u: &u, v: &rest, p: &p });
     // Irrational in units of the rate, so that it is no eigenvalue itself.

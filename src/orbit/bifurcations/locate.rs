@@ -52,13 +52,14 @@ pub struct Located {
     pub pair: Option<(f64, f64)>,
 }
 
-/// The nearest multiplier of a bracketed event, where it is a pair.
+/// The part of the step that is left: fractions, and the test's values there.
 struct Bracket {
     low: (f64, f64),
     high: (f64, f64),
     /// The point with the smallest value so far.
     best: Point,
     least: f64,
+    /// The multiplier that is nearest to critical, where it is a pair.
     pair: Option<(f64, f64)>,
 }
 

@@ -153,11 +153,6 @@ impl Place {
         self.closed.as_ref().map_or(&self.kernel.nodes, |(_, solution)| &solution.nodes)
     }
 
-    /// The critical functions at all collocation points.
-    pub fn null(&self) -> &[Field] {
-        &self.null
-    }
-
     /// kappa as a complex number.
     pub fn kappa(&self) -> c64 {
         match self.cosine {

@@ -64,6 +64,21 @@ impl Signs {
         }
     }
 
+    /// The same, with the signs of the point before where a test happens to vanish.
+    pub fn after(mut self, before: &Self) -> Self {
+        for (value, before) in [
+            (&mut self.fold, before.fold),
+            (&mut self.branch, before.branch),
+            (&mut self.flip, before.flip),
+            (&mut self.torus, before.torus),
+        ] {
+            if *value == 0.0 {
+                *value = before;
+            }
+        }
+        self
+    }
+
     /// Which of the wanted events lie between two points; of the last, some may turn out to be neutral saddles.
     pub fn events(&self, to: &Self, wanted: &[Event]) -> Vec<Event> {
         wanted.iter().copied().filter(|&event| self.value(event) * to.value(event) < 0.0).collect()
@@ -122,6 +137,14 @@ mod tests {
         assert!(inside * real > 0.0 && inside * outside < 0.0);
         assert!(flip(&[z(-0.9, 0.0), z(0.3, 0.2)]) * flip(&[z(-1.1, 0.0), z(0.3, 0.2)]) < 0.0);
         assert!(flip(&[z(-1.2, 0.1), z(-1.2, -0.1)]) * flip(&[z(-1.3, 0.0), z(-1.1, 0.0)]) > 0.0);
+    }
+
+    #[test]
+    fn a_test_that_vanishes_at_a_point_changes_its_sign_there() {
+        let [before, at, after] = [0.1, 0.0, -0.1].map(|fold| Signs { fold, ..Signs::default() });
+        let at = at.after(&before);
+        assert!(before.events(&at, &Event::ALL).is_empty());
+        assert_eq!(at.events(&after, &Event::ALL), [Event::Fold]);
     }
 
     #[test]

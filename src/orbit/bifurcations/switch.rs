@@ -27,7 +27,7 @@ pub struct Departure {
 /// A distance that fails is tried again at these multiples.
 const DISTANCES: [f64; 4] = [1.0, 0.3, 3.0, 0.1];
 
-/// The orbit over twice its computed part, with another function's second half in opposite phase.
+/// The orbit over twice its computed part, moved by eps v in the first half and by its opposite in the second.
 pub fn doubled(orbit: &Orbit, v: &[f64], eps: f64, symmetry: &Reflection) -> Orbit {
     let (n, count) = (orbit.dim, orbit.intervals() * orbit.degree);
     let mut nodes: Vec<f64> = (0..count * n).map(|i| orbit.nodes[i] + eps * v[i]).collect();

@@ -271,8 +271,13 @@ impl Cycles<'_> {
             let mut between = self.user_values(&*walk.system, &step.from, &step.to, (counts, watch));
             let next = self.signs(&step.to, &step.factors, &wanted, counts);
             // At the first point nothing has been looked at yet: its signs come from the factors of the first step.
-            if let (Some(a), Some(b)) = (self.signs_before(&signs, &*walk.system, &step.from, &wanted, counts), &next) {
-                let signs = [&a, b];
+            let before = self.signs_before(&signs, &*walk.system, &step.from, &wanted, counts);
+            let next = match (&before, next) {
+                (Some(a), Some(b)) => Some(b.after(a)),
+                (_, next) => next,
+            };
+            if let (Some(a), Some(b)) = (&before, &next) {
+                let signs = [a, b];
                 let segment = Segment { system: &*walk.system, from: &step.from, to: &step.to, signs, width };
                 between.extend(self.bifurcations(&segment, &wanted, counts));
             }

@@ -119,7 +119,8 @@ impl Cycles<'_> {
     pub fn frame(&self, origin: &Origin) -> Result<Frame, CyclesError> {
         match origin {
             Origin::Hopf { hopf, reference, span, .. } => {
-                let reflection = if self.task.symmetry { half_period(&*self.prepared.problem, hopf) } else { None };
+                let problem = &*self.prepared.problem;
+                let reflection = if self.task.symmetry { half_period(problem, hopf, *reference) } else { None };
                 let parts = if reflection.is_some() { 2 } else { 1 };
                 Ok(Frame {
                     problem: self.prepared.problem.clone(),

@@ -175,7 +175,7 @@ impl Cycles<'_> {
             let mut border = Border { row: vec![0.0; near.x.len()], lambda: 0.0 };
             *border.row.last_mut()? = 1.0 / fine.frame.scale_part;
             let found = correct(&fine, (near.x, near.lambda), &border, counts).ok()?.point;
-            Some((found.lambda - point.lambda).abs())
+            error(point.lambda, found.lambda)
         });
         let mut values = vec![("homoclinic", end.lambda)];
         match end.passed {
@@ -191,7 +191,9 @@ impl Cycles<'_> {
     fn finer_fold(&self, fold: &Fold, free: usize) -> Option<f64> {
         let Some(finer) = self.prepared.problem.refined() else { return Some(fold.p[free]) };
         let start = ((finer.prolong)(&fold.u), (finer.prolong)(&fold.q));
-        Some(Fold::locate(&*finer.problem, (&start.0, &fold.p), free, &start.1).ok()?.p[free])
+        let range = &self.task.along.range;
+        let place = (free, range.to - range.from);
+        Some(Fold::locate(&*finer.problem, (&start.0, &fold.p), place, &start.1).ok()?.p[free])
     }
 
     /// Test functions at a point of the walk; None where they do not exist or nothing is wanted, and where multipliers are

@@ -3,7 +3,7 @@
 use crate::bifurcation::{Coordinate, Equilibria, Tangent, leaving};
 use crate::branch::{Kind, SpecialPoint};
 use crate::continuation::{Border, Counts, Failure, Point, System, correct, inner};
-use crate::linalg::Singular;
+use crate::linalg::{Singular, any};
 use crate::problem::Problem;
 use crate::run::start::{StartError, coordinate, equilibrium};
 use crate::run::study::Prepared;
@@ -89,7 +89,7 @@ fn fresh(
     system.scale_state = scale(&u);
     let border = Border { row: vec![0.0; u.len()], lambda: 1.0 };
     let first = correct(&system, (u, begin), &border, counts)?;
-    Ok((system, (first.point, Some(first.factors.sign()))))
+    Ok((system, (first.point, first.factors.sign())))
 }
 
 /// From a stored point: the other branch where it is a branch point in the same parameter, and else the branch through it.
@@ -131,7 +131,7 @@ fn through(
     counts: &mut Counts,
 ) -> Result<(Point, Option<f64>), Failure> {
     let n = u.len();
-    let any: Vec<f64> = (0..n).map(|i| 1.0 + (7 * i % 5) as f64).collect();
+    let any = any(n);
     let length = inner(system, (&any, 0.0), (&any, 0.0)).sqrt();
     let row = system.dual(&any).iter().map(|x| x / length).collect();
     let mut border = Border { row, lambda: 1.0 / system.coordinate.width };
@@ -152,9 +152,9 @@ fn through(
     let (mut point, mut sign) = (corrected.point, corrected.factors.sign());
     if point.tangent_lambda < 0.0 {
         crate::bifurcation::reverse(&mut point);
-        sign = -sign;
+        sign = sign.map(|sign| -sign);
     }
-    Ok((point, Some(sign)))
+    Ok((point, sign))
 }
 
 fn system(prepared: &Prepared, task: &scene::Equilibria, p: Vec<f64>, coordinate: Coordinate) -> Equilibria {

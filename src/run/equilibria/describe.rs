@@ -209,7 +209,8 @@ fn finer(
         Some(Mark::Fold(Some(fold))) => {
             let start = (&(refined.prolong)(&fold.u)[..], &fold.p[..]);
             let q = (refined.prolong)(&fold.q);
-            let located = Fold::locate(&*refined.problem, start, coordinate.index, &q).ok()?;
+            let place = (coordinate.index, scales(&fine, sample.point.lambda).parameter);
+            let located = Fold::locate(&*refined.problem, start, place, &q).ok()?;
             (Some(located.p[coordinate.index]), of_fold(&located))
         }
         Some(Mark::Branch(found)) => {

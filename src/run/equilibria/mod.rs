@@ -104,7 +104,7 @@ fn follow(
         let mut search = || {
             tool.follow(&mut samples, counts)?;
             if hopf {
-                tool.hopf_points(&mut samples, counts)?;
+                tool.hopf_points(&mut samples, counts).into_iter().for_each(|doubt| watch.say(doubt));
             }
             if task.spectrum > 0 { tool.smooth(&mut samples, counts) } else { Ok(()) }
         };

@@ -1,7 +1,7 @@
 //! The branch of equilibria with its step control alone.
 
 use crate::bifurcation::{Equilibria, reverse};
-use crate::continuation::{Counts, Point, StepControl, Stop, Walk};
+use crate::continuation::{Counts, Point, StepControl, Stop, Walk, normalise};
 use crate::run::watch::Watch;
 use crate::scene;
 
@@ -58,7 +58,7 @@ pub fn walk(
                     let lambda = step.to.lambda;
                     let message = format!("{} = {:.6}", along.free, coordinate.value(lambda));
                     watch.at((lambda - from) / (to - from), message);
-                    found.push((step.to, signed.then(|| step.factors.sign())));
+                    found.push((step.to, if signed { step.factors.sign() } else { None }));
                     if let Some(stop) = step.stop {
                         break stop;
                     }
@@ -104,6 +104,6 @@ pub fn walk(
     let (mut points, signs): (Vec<Point>, Vec<Option<f64>>) = all.into_iter().unzip();
     // The scale may have grown on the way.
     system.scale_state = largest;
-    points.iter_mut().for_each(|point| system.normalise(point));
+    points.iter_mut().for_each(|point| normalise(&*system, point));
     Walked { points, signs, back, stop }
 }

@@ -6,7 +6,7 @@ use crate::branch::Kind;
 use crate::continuation::{Counts, Point};
 use crate::linalg::c64;
 use crate::problem::Problem;
-use crate::run::locus::wanted;
+use crate::run::locus::{undecided, wanted};
 use rayon::prelude::*;
 
 /// Estimated relative error of a parameter from which on the discretisation counts as too coarse.
@@ -95,20 +95,28 @@ impl Curve<'_> {
         let ended = next.mark.and_then(|(_, test)| test);
         let mut tests: Vec<(Kind, Test)> = wanted(self.prepared, &self.task.along, &segment.curve);
         let l1 = |sample: &Sample| sample.here.as_ref().and_then(|here| Some(here.form.as_ref()?.l1));
-        if let (Some(a), Some(b)) = (l1(last), l1(next))
-            && a * b < 0.0
-        {
-            tests.push((Kind::GH, Test::Criticality));
-        }
+        let changes = match (l1(last), l1(next)) {
+            (Some(a), Some(b)) => a * b < 0.0,
+            // At BT there is none.
+            (a, b) => a.is_some() != b.is_some() && ended != Some(Test::Frequency),
+        };
+        tests.extend(changes.then_some((Kind::GH, Test::Criticality)));
         tests.push((Kind::ZH, Test::Steady));
-        tests.extend(HopfSegment::crossing_pairs(&last.others, &next.others).into_iter().map(|test| (Kind::HH, test)));
+        let pairs = HopfSegment::crossing_pairs(&last.others, &next.others);
+        if HopfSegment::crossings_missed(&last.others, &next.others, &pairs) {
+            self.watch.say(undecided(Kind::HH, segment, &"pairs are too close to be told apart"));
+        }
+        tests.extend(pairs.into_iter().map(|test| (Kind::HH, test)));
         let found: Vec<_> = tests
             .into_iter()
             // At the end of the curve a wanted value is that end, and at BT a real eigenvalue vanishes anyway.
             .filter(|(kind, test)| ended != Some(*test) && !(*kind == Kind::ZH && ended == Some(Test::Frequency)))
-            .filter_map(|(kind, test)| {
-                let point = segment.locate(test, counts).ok()??;
-                Some((segment.clone(), point, Some((kind, Some(test)))))
+            .filter_map(|(kind, test)| match segment.locate(test, counts) {
+                Ok(point) => Some((segment.clone(), point?, Some((kind, Some(test))))),
+                Err(failure) => {
+                    self.watch.say(undecided(kind, segment, &failure));
+                    None
+                }
             })
             .collect();
         let mut samples = self.samples(found);
