@@ -57,17 +57,17 @@ pub struct Keeper {
     folder: Option<PathBuf>,
     scene: String,
     resuming: bool,
-    last: Cell<Option<Instant>>,
+    last: Cell<Instant>,
 }
 
 impl Keeper {
     pub fn new(folder: PathBuf, scene: String, resuming: bool) -> Self {
-        Self { folder: Some(folder), scene, resuming, last: Cell::new(None) }
+        Self { folder: Some(folder), scene, resuming, last: Cell::new(Instant::now()) }
     }
 
     /// One that keeps nothing.
     pub fn idle() -> Self {
-        Self { folder: None, scene: String::new(), resuming: false, last: Cell::new(None) }
+        Self { folder: None, scene: String::new(), resuming: false, last: Cell::new(Instant::now()) }
     }
 
     fn path(&self, task: &str) -> Option<PathBuf> {
@@ -101,7 +101,7 @@ impl Keeper {
 
     /// Whether the last state is old enough to be replaced.
     pub fn due(&self) -> bool {
-        self.folder.is_some() && self.last.get().is_none_or(|last| last.elapsed() >= INTERVAL)
+        self.folder.is_some() && self.last.get().elapsed() >= INTERVAL
     }
 
     /// Keeps the state of a task: its branch must hold all rows up to where the walk is. Failure to write is no reason
@@ -109,7 +109,7 @@ impl Keeper {
     pub fn keep(&self, checkpoint: Checkpoint) {
         let task = checkpoint.branch.name.clone();
         self.write(&task, State::Midway(Box::new(checkpoint)));
-        self.last.set(Some(Instant::now()));
+        self.last.set(Instant::now());
     }
 
     pub fn finish(&self, task: &str, outcomes: &[Outcome]) {

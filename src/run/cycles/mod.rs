@@ -28,6 +28,7 @@ use origin::Origin;
 use refinement::Refinement;
 use rows::{Maker, Pending};
 use special::{Between, Special, endless};
+use std::sync::Arc;
 use std::time::Instant;
 use thiserror::Error;
 
@@ -248,8 +249,8 @@ impl Cycles<'_> {
             let before_step = walk.counts;
             // Taken before the step, which may move the mesh; its row may be made already.
             let here = self.pending(&*walk.system, &walk.state.point, None, Some(Kind::MX), Special::default());
-            let pending = std::mem::take(&mut self.pending);
-            let (step, (rows, made)) = rayon::join(|| walk.step(), || self.maker.rows(&pending));
+            let mut pending = std::mem::take(&mut self.pending);
+            let (step, (rows, made)) = rayon::join(|| walk.step(), || self.maker.rows(&mut pending));
             *counts += made;
             self.append(&pending, rows);
             let step = match step {
@@ -288,7 +289,7 @@ impl Cycles<'_> {
             signs = next;
             between.sort_by(|x, y| x.fraction.total_cmp(&y.fraction));
             for Between { point, factors, kind, special, .. } in between {
-                let pending = self.pending(&*walk.system, &point, factors.as_deref(), Some(kind), special);
+                let pending = self.pending(&*walk.system, &point, factors, Some(kind), special);
                 self.pending.push(pending);
             }
             passages.push(Passage::new(&*walk.system, &step.to));
@@ -300,7 +301,7 @@ impl Cycles<'_> {
                 None => Special::default(),
             };
             let kind = ended.then_some(Kind::EP);
-            let pending = self.pending(&*walk.system, &step.to, Some(&*step.factors), kind, special);
+            let pending = self.pending(&*walk.system, &step.to, Some(step.factors), kind, special);
             self.pending.push(pending);
             counts.newton += walk.counts.newton - before_step.newton;
             counts.residuals += walk.counts.residuals - before_step.residuals;
@@ -363,18 +364,16 @@ impl Cycles<'_> {
         &self,
         system: &Collocation,
         point: &Point,
-        factors: Option<&OrbitFactors>,
+        factors: Option<Arc<OrbitFactors>>,
         kind: Option<Kind>,
         special: Special,
     ) -> Pending {
-        let wanted = self.task.multipliers;
-        let multipliers = factors.filter(|_| wanted > 0).and_then(|factors| factors.multipliers(Some(wanted)).ok());
-        Pending::new(system, point, multipliers, kind, special)
+        Pending::new(system, point, factors.filter(|_| self.task.multipliers > 0), kind, special)
     }
 
     /// Notes an accepted point.
-    fn push(&mut self, system: &Collocation, point: &Point, factors: &OrbitFactors, kind: Option<Kind>) {
-        let pending = self.pending(system, point, Some(factors), kind, Special::default());
+    fn push(&mut self, system: &Collocation, point: &Point, factors: OrbitFactors, kind: Option<Kind>) {
+        let pending = self.pending(system, point, Some(Arc::new(factors)), kind, Special::default());
         self.pending.push(pending);
     }
 

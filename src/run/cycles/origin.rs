@@ -1,6 +1,6 @@
 //! Where a branch of cycles starts: at a Hopf point, where other cycles double their period or branch, or at any cycle.
 
-use super::rows::{Pending, logarithm};
+use super::rows::logarithm;
 use super::{Cycles, CyclesError, Way};
 use crate::bifurcation::{Coordinate, Hopf, HopfNormalForm, reverse};
 use crate::branch::{Kind, Row, SpecialPoint};
@@ -173,7 +173,7 @@ impl Cycles<'_> {
                 (system, origin, corrected)
             }
         };
-        self.push(&system, &first.point, &first.factors, None);
+        self.push(&system, &first.point, first.factors, None);
         // On the second of two ways the start is there already.
         if self.branch.rows.is_empty() {
             let (orbit, symmetry) = (system.orbit(&still.x), system.frame.symmetry.clone());
@@ -183,10 +183,12 @@ impl Cycles<'_> {
             let logarithm = logarithm(self.task, still.lambda);
             row.resize(self.branch.columns.len() - logarithm.iter().len(), None);
             row.extend(logarithm);
+            self.branch.rows.push(Row { label: None, stable: None, values: row });
+            self.make_rows(counts);
             // As stable as the first cycle; not so the wave that relative orbits leave.
-            let first = self.pending.last().filter(|_| !self.task.relative);
-            let stable = first.and_then(Pending::stable);
-            self.branch.rows.push(Row { label: None, stable, values: row });
+            if let (false, [start, first]) = (self.task.relative, &mut self.branch.rows[..]) {
+                start.stable = first.stable;
+            }
         }
         let control = self.control(&system);
         let state = Walk::new(&mut system, first.point, control, (0.0, 0.0)).state;
@@ -227,7 +229,7 @@ impl Cycles<'_> {
         }
         if self.branch.rows.is_empty() {
             let wanted = self.goals().any(|wanted| self.beyond(&system, &point, wanted) == 0.0);
-            self.push(&system, &point, &factors, wanted.then_some(Kind::UZ));
+            self.push(&system, &point, factors, wanted.then_some(Kind::UZ));
             self.make_rows(counts);
         }
         let control = self.control(&system);

@@ -10,10 +10,11 @@ use super::refinement::Refinement;
 use super::special::Special;
 use crate::branch::{Array, Branch, BranchKind, Column, Kind, Row, SpecialPoint};
 use crate::continuation::{Counts, Point};
-use crate::orbit::{Collocation, Frame, Multipliers, Orbit, Stability};
+use crate::orbit::{Collocation, Frame, Orbit, OrbitFactors, Stability};
 use crate::problem::{Problem, Reflection};
 use crate::scene;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// An accepted point with what its row is made from.
 pub struct Pending {
@@ -22,8 +23,8 @@ pub struct Pending {
     pub orbit: Orbit,
     pub tangent: Orbit,
     pub frame: Frame,
-    /// Where they are asked for and could be found.
-    pub multipliers: Option<Multipliers>,
+    /// For multipliers, where they are asked for; gone once the row is made.
+    factors: Option<Arc<OrbitFactors>>,
     pub kind: Option<Kind>,
     pub special: Special,
 }
@@ -32,7 +33,7 @@ impl Pending {
     pub fn new(
         system: &Collocation,
         point: &Point,
-        multipliers: Option<Multipliers>,
+        factors: Option<Arc<OrbitFactors>>,
         kind: Option<Kind>,
         special: Special,
     ) -> Self {
@@ -42,18 +43,9 @@ impl Pending {
             orbit: system.orbit(&point.x),
             tangent: system.orbit(&point.tangent),
             frame: system.frame.clone(),
-            multipliers,
+            factors,
             kind,
             special,
-        }
-    }
-
-    /// What the multipliers say.
-    pub fn stable(&self) -> Option<bool> {
-        match self.multipliers.as_ref()?.verdict() {
-            Stability::Stable => Some(true),
-            Stability::Unstable => Some(false),
-            Stability::Undecided => None,
         }
     }
 }
@@ -108,25 +100,25 @@ impl<'a> Maker<'a> {
     }
 
     /// Rows in the order of the branch, and what they took.
-    pub fn rows(&mut self, pending: &[Pending]) -> (Vec<Row>, Counts) {
+    pub fn rows(&mut self, pending: &mut [Pending]) -> (Vec<Row>, Counts) {
         let mut counts = Counts::default();
-        (pending.iter().map(|point| self.row(point, &mut counts)).collect(), counts)
+        (pending.iter_mut().map(|point| self.row(point, &mut counts)).collect(), counts)
     }
 
-    fn row(&mut self, point: &Pending, counts: &mut Counts) -> Row {
-        let Pending { lambda, orbit, frame, .. } = point;
+    fn row(&mut self, point: &mut Pending, counts: &mut Counts) -> Row {
+        let found = point.factors.take().and_then(|factors| factors.multipliers(Some(self.task.multipliers)).ok());
+        let Pending { lambda, orbit, frame, .. } = &*point;
         let mut p = frame.p.clone();
         p[frame.free] = *lambda;
         let measured = measure(self.prepared, &*self.prepared.problem, orbit, &frame.symmetry, &p);
         let mut values: Vec<Option<f64>> = vec![Some(*lambda)];
         values.extend(measured.iter().copied().map(Some));
-        let found = point.multipliers.as_ref();
         if self.task.multipliers > 0 {
             for k in 0..self.task.multipliers.min(orbit.dim.saturating_sub(1 + orbit.drift.len())) {
-                let mu = found.and_then(|m| m.values.get(k));
+                let mu = found.as_ref().and_then(|m| m.values.get(k));
                 values.extend([mu.map(|mu| mu.re), mu.map(|mu| mu.im)]);
             }
-            values.push(found.map(|m| m.trivial_error));
+            values.push(found.as_ref().map(|m| m.trivial_error));
         }
         if self.task.along.errors {
             let at = (frame, orbit, *lambda);
@@ -143,7 +135,12 @@ impl<'a> Maker<'a> {
         }
         values.extend(logarithm(self.task, *lambda));
         values.iter_mut().for_each(|value| *value = value.filter(|value| value.is_finite()));
-        Row { label: None, stable: point.stable(), values }
+        let stable = found.and_then(|found| match found.verdict() {
+            Stability::Stable => Some(true),
+            Stability::Unstable => Some(false),
+            Stability::Undecided => None,
+        });
+        Row { label: None, stable, values }
     }
 }
 
@@ -155,8 +152,8 @@ impl Cycles<'_> {
 
     /// Turns what is pending into rows and special points.
     pub fn make_rows(&mut self, counts: &mut Counts) {
-        let pending = std::mem::take(&mut self.pending);
-        let (rows, made) = self.maker.rows(&pending);
+        let mut pending = std::mem::take(&mut self.pending);
+        let (rows, made) = self.maker.rows(&mut pending);
         *counts += made;
         self.append(&pending, rows);
     }
