@@ -11,7 +11,6 @@
 //! method, which keeps one secant a step, curves turn out to need two to four steps more). It converges superlinearly for the
 //! price of a residual and a solution a step; a factorisation costs as much as dozens of those in large systems.
 
-use super::corrector::TOLERANCE;
 use super::{Counts, Factored, Failure, System, inner};
 use crate::linalg::finite;
 
@@ -105,18 +104,19 @@ fn add(factor: f64, x: &[f64], y: &mut [f64]) {
     y.iter_mut().zip(x).for_each(|(y, x)| *y += factor * x);
 }
 
-/// Solves `H = 0` from a start; an error where the factors are too far from those of the solution.
+/// Solves `H = 0` from a start to a tolerance; an error where the factors are too far from those of the solution.
 pub fn settle<S: System>(
     system: &S,
     start: (Vec<f64>, f64),
     factors: &S::Factors,
+    tolerance: f64,
     counts: &mut Counts,
 ) -> Result<Settled, Failure> {
     let mut chord = Chord::new(system, start.clone(), factors);
     let (mut before, mut last) = (f64::INFINITY, f64::INFINITY);
     for count in 1..=MOST_STEPS {
         let left = chord.advance(counts)?;
-        if left < TOLERANCE {
+        if left < tolerance {
             let Chord { x, lambda, .. } = chord;
             let difference: Vec<f64> = x.iter().zip(&start.0).map(|(a, b)| a - b).collect();
             let moved = (&difference[..], lambda - start.1);

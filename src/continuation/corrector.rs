@@ -29,7 +29,9 @@ pub enum Failure {
 }
 
 /// Newton steps in the metric's norm, in which solutions are of order one, shrink to this.
-pub(super) const TOLERANCE: f64 = 1e-11;
+const TOLERANCE: f64 = 1e-11;
+/// with old factors to this, before a last step with new ones,
+pub(super) const SETTLED: f64 = 1e-10;
 /// or, in ill-conditioned systems, to rounding: below this, steps with fresh factors that shrink no more are noise.
 const ROUNDING: f64 = 1e-9;
 /// Steps with old factors go on while they shrink at least this fast.
@@ -96,15 +98,23 @@ pub fn correct<S: System>(
     Err(Failure::Diverged(last))
 }
 
-/// The point that was settled with factors from elsewhere on the curve, with factors of its own.
+/// The point that was settled with factors from elsewhere on the curve, with factors of its own, and one step with them.
 pub fn refactor<S: System>(
     system: &S,
-    Settled { x, lambda, steps, distance }: Settled,
+    Settled { mut x, mut lambda, steps, distance }: Settled,
     border: &Border,
     counts: &mut Counts,
 ) -> Result<Corrected<S::Factors>, Failure> {
     counts.factorisations += 1;
     let factors = system.factor(&x, lambda, border)?;
+    let n = x.len();
+    let mut right = vec![0.0; n + 1];
+    system.residual(&x, lambda, &mut right[..n]);
+    factors.solve(&mut right);
+    counts.residuals += 1;
+    counts.newton += 1;
+    x.iter_mut().zip(&right).for_each(|(x, d)| *x -= d);
+    lambda -= right[n];
     let point = tangent(system, x, lambda, &factors)?;
     // Three steps with old factors gain about as much as one with fresh ones.
     Ok(Corrected { point, factors, steps: steps.div_ceil(3), distance })
@@ -119,7 +129,7 @@ pub fn polish<S: System>(
 ) -> Result<Corrected<S::Factors>, Failure> {
     counts.factorisations += 1;
     let factors = system.factor(&start.0, start.1, border)?;
-    let Settled { x, lambda, steps, distance } = settle(system, start, &factors, counts)?;
+    let Settled { x, lambda, steps, distance } = settle(system, start, &factors, TOLERANCE, counts)?;
     let point = tangent(system, x, lambda, &factors)?;
     Ok(Corrected { point, factors, steps, distance })
 }

@@ -1,7 +1,7 @@
 //! The walk along a curve: an iterator of accepted steps.
 
 use super::chord::settle;
-use super::corrector::{polish, refactor};
+use super::corrector::{SETTLED, polish, refactor};
 use super::{Border, Corrected, Counts, Failure, Point, StepControl, System, at_lambda, correct, inner};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -149,7 +149,8 @@ impl<'a, S: System> Walk<'a, S> {
         let (x, lambda) = self.predict(from, h);
         let border = self.border(from);
         let counts = &mut self.counts;
-        let settled = self.held.as_ref().and_then(|held| settle(&*self.system, (x.clone(), lambda), held, counts).ok());
+        let settled =
+            self.held.as_ref().and_then(|held| settle(&*self.system, (x.clone(), lambda), held, SETTLED, counts).ok());
         let corrected = match settled {
             Some(settled) => {
                 // The old factors are of no use any more, and large systems have no room for two.

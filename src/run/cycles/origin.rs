@@ -52,8 +52,10 @@ impl Cycles<'_> {
     /// Reads the start, which must lie inside the range.
     pub fn origin(&self, from: &SpecialPoint) -> Result<Origin, CyclesError> {
         let (low, high) = (self.task.along.range.from, self.task.along.range.to);
+        // A start that was found at an end of the range may lie beyond it by rounding.
+        let slack = f64::EPSILON * (high - low);
         let inside = |value: f64| {
-            if (low..=high).contains(&value) {
+            if (low - slack..=high + slack).contains(&value) {
                 return Ok(value);
             }
             let (name, what) = (self.prepared.free_name.clone(), from.label.clone());
