@@ -265,7 +265,7 @@ fn points_between_two_others_lie_on_the_curve_where_they_were_asked_for() {
     let system = Curve(circle);
     let (a, b) = (start(&system, 1.0, 0.0), start(&system, 0.8, 0.6));
     let counts = &mut Counts::default();
-    let there = at_lambda(&system, (&a, &b), 0.28, counts).expect("a point").point;
+    let there = at_lambda(&system, (&a, &b), 0.28, None, counts).expect("a point").point;
     near("lambda", there.lambda, 0.28, 1e-15);
     near("x", there.x[0], 0.96, 1e-11);
     for theta in [0.0, 0.25, 0.5, 1.0] {

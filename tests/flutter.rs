@@ -72,7 +72,7 @@ impl Rod {
         let at = At { u, v: &rest, p: &self.p };
         self.problem.residual(at, &mut g);
         let (_, gv) = self.problem.linearised(at);
-        Lu::new(gv.as_ref()).unwrap().solve(&mut g);
+        Lu::new(gv).unwrap().solve(&mut g);
         g.iter().map(|g| -g).collect()
     }
 }

@@ -31,7 +31,7 @@ impl Surface for Implicit {
     fn factor(&self, x: &[f64], rows: [&[f64]; 2]) -> Result<Dense, Singular> {
         let (_, gradient) = (self.0)(x);
         let matrix = Mat::from_fn(3, 3, |i, j| if i == 0 { gradient[j] } else { rows[i - 1][j] });
-        Ok(Dense(Lu::new(matrix.as_ref())?))
+        Ok(Dense(Lu::new(matrix)?))
     }
 
     fn weights(&self) -> &[f64] {

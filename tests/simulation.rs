@@ -38,7 +38,7 @@ impl Motion<'_> {
             let rest = vec![0.0; u.len()];
             let at = At { u, v: &rest, p: &self.model.p };
             let (_, mass) = matrices(&*self.model.problem, at);
-            let mass = Lu::new(mass.as_ref()).expect("an invertible mass");
+            let mass = Lu::new(mass).expect("an invertible mass");
             let mut rate = vec![0.0; u.len()];
             self.model.problem.residual(at, &mut rate);
             mass.solve(&mut rate);

@@ -83,7 +83,7 @@ impl Bautin {
                     coefficients.push(c);
                     v[order][l].iter_mut().zip(&hopf.q).for_each(|(v, q)| *v += c * q);
                 } else if order < ORDER {
-                    Lu::new(pencil(l).as_ref())?.solve(&mut x);
+                    Lu::new(pencil(l))?.solve(&mut x);
                 }
                 let rate = c64::new(0.0, l as f64 * hopf.omega);
                 v[order][l].iter_mut().zip(&x).for_each(|(v, u)| *v += rate * u);

@@ -148,7 +148,7 @@ impl<'a> Centre<'a> {
                 Bordered::new(a.as_ref(), &column, &row, c64::new(0.0, 0.0))?.solve(&mut h);
                 g[i] = h.pop().unwrap_or_default() * size;
             }
-            None => Lu::new(a.as_ref())?.solve(&mut h),
+            None => Lu::new(a)?.solve(&mut h),
         }
         let velocity = |i: usize| sigma * h[i] + g.iter().zip(&self.modes).map(|(g, mode)| g * mode.q[i]).sum::<c64>();
         let direction = Complex { u: h.clone(), v: (0..n).map(velocity).collect() };

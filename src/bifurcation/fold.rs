@@ -85,7 +85,7 @@ impl Fold {
             let sizes = [0, 1].map(|i| small[(i, 0)].abs().max(small[(i, 1)].abs()).max(f64::MIN_POSITIVE));
             let scaled = Mat::from_fn(2, 2, |i, j| small[(i, j)] / sizes[i]);
             let mut y = [d0[n] / sizes[0], (bend(&d0[..n], &[]) - g) / sizes[1]];
-            Lu::new(scaled.as_ref())?.solve(&mut y);
+            Lu::new(scaled)?.solve(&mut y);
             let [t, dp] = y;
             let du: Vec<f64> = (0..n).map(|i| -d0[i] - dp * d1[i] + t * q[i]).collect();
             if !finite(&du) || !dp.is_finite() {

@@ -133,7 +133,7 @@ impl<'a> Line<'a> {
             if right.iter().all(|r| *r == 0.0) {
                 return Ok(Settled { u, gu, gv });
             }
-            Lu::new(gu.as_ref())?.solve(&mut right);
+            Lu::new(gu)?.solve(&mut right);
             self.counts.factorisations += 1;
             self.counts.newton += 1;
             if !finite(&right) {

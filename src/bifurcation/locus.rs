@@ -60,7 +60,7 @@ impl<C: Locus> Segment<C> {
             return Ok(None);
         }
         if let Some(goal) = C::goal(test) {
-            return Ok(Some(at_lambda(&self.curve, ends, goal, counts)?.point));
+            return Ok(Some(at_lambda(&self.curve, ends, goal, None, counts)?.point));
         }
         let found = crossing(&self.curve, ends, &|point: &Point| self.value(test, point), counts)?;
         let small = self.value(test, &found).abs() <= C::SMALL * a.abs().max(b.abs());

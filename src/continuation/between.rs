@@ -1,5 +1,7 @@
 //! Solutions between two accepted points of one step.
 
+use super::chord::{Plane, settle};
+use super::corrector::{SETTLED, refactor};
 use super::{Border, Corrected, Counts, Failure, Point, System, correct};
 
 /// The cubic through both points with their tangents, at theta in [0, 1]; a step's chord is close to its arclength.
@@ -33,11 +35,12 @@ pub fn at_fraction<S: System>(
     correct(system, hermite(a, b, length, theta), &border, counts)
 }
 
-/// The solution with a given lambda between those of a and b.
+/// The solution with a given lambda between those of a and b; `held` are factors at b, if they are at hand.
 pub fn at_lambda<S: System>(
     system: &S,
     (a, b): (&Point, &Point),
     lambda: f64,
+    held: Option<&S::Factors>,
     counts: &mut Counts,
 ) -> Result<Corrected<S::Factors>, Failure> {
     let (_, d_lambda, length) = gap(system, a, b);
@@ -50,7 +53,11 @@ pub fn at_lambda<S: System>(
     }
     let (x, _) = hermite(a, b, length, low);
     let border = Border { row: vec![0.0; x.len()], lambda: d_lambda.signum() };
-    correct(system, (x, lambda), &border, counts)
+    let plane = Some(Plane { border: &border, along: b });
+    match held.map(|held| settle(system, (x.clone(), lambda), (held, plane), SETTLED, counts)) {
+        Some(Ok(settled)) => refactor(system, settled, &border, counts),
+        _ => correct(system, (x, lambda), &border, counts),
+    }
 }
 
 /// The solution between a and b where a function of it vanishes: regula falsi (Illinois) along the chord, to the

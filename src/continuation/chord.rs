@@ -11,11 +11,10 @@
 //! method, which keeps one secant a step, curves turn out to need two to four steps more). It converges superlinearly for the
 //! price of a residual and a solution a step; a factorisation costs as much as dozens of those in large systems.
 
-use super::{Counts, Factored, Failure, System, inner};
-use crate::linalg::finite;
+use super::{Border, Counts, Factored, Failure, Point, System, inner};
+use crate::linalg::{dot, finite};
 
-/// Where what is left shrinks less than this in two steps, the factors are of no use here; it need not in the first steps,
-/// for the hyperplane and other rows of the factors' system may differ from those of the present one;
+/// Where what is left shrinks less than this in three steps, the factors are of no use here;
 const SLOWEST: f64 = 0.5;
 /// but it never grows more than this.
 const WORST: f64 = 5.0;
@@ -24,7 +23,7 @@ const WORST: f64 = 5.0;
 const FASTEST: f64 = 0.1;
 const MOST_STEPS: usize = 12;
 
-/// A solution on the hyperplane of the factors' own border through the start.
+/// A solution on a hyperplane through the start.
 pub struct Settled {
     pub x: Vec<f64>,
     pub lambda: f64,
@@ -37,6 +36,7 @@ pub struct Settled {
 pub struct Chord<'a, S: System> {
     system: &'a S,
     factors: &'a S::Factors,
+    plane: Option<Plane<'a>>,
     pub x: Vec<f64>,
     pub lambda: f64,
     /// The last step with the f before it,
@@ -47,9 +47,29 @@ pub struct Chord<'a, S: System> {
     pairs: Vec<(Vec<f64>, Vec<f64>)>,
 }
 
+/// Another hyperplane than that of the factors' own border: steps move onto it along the tangent where the factors are from.
+#[derive(Clone, Copy)]
+pub struct Plane<'a> {
+    pub border: &'a Border,
+    pub along: &'a Point,
+}
+
+impl Plane<'_> {
+    /// `f - t (border . f) / (border . t)`: both fulfil all equations but the border's.
+    fn project(&self, f: &mut [f64]) {
+        let Self { border, along } = self;
+        let n = f.len() - 1;
+        let slope = dot(&border.row, &along.tangent) + border.lambda * along.tangent_lambda;
+        let share = (dot(&border.row, &f[..n]) + border.lambda * f[n]) / slope;
+        add(-share, &along.tangent, &mut f[..n]);
+        f[n] -= share * along.tangent_lambda;
+    }
+}
+
 impl<'a, S: System> Chord<'a, S> {
-    pub fn new(system: &'a S, (x, lambda): (Vec<f64>, f64), factors: &'a S::Factors) -> Self {
-        Self { system, factors, x, lambda, last: None, size: f64::INFINITY, pairs: Vec::new() }
+    /// On the hyperplane of the factors' own border where no other is given.
+    pub fn new(system: &'a S, (x, lambda): (Vec<f64>, f64), factors: &'a S::Factors, plane: Option<Plane<'a>>) -> Self {
+        Self { system, factors, plane, x, lambda, last: None, size: f64::INFINITY, pairs: Vec::new() }
     }
 
     /// One step; the distance that is left to the solution: as much of the step's length as of f where f is linear, or as
@@ -65,6 +85,9 @@ impl<'a, S: System> Chord<'a, S> {
         }
         self.factors.solve(&mut f);
         counts.newton += 1;
+        if let Some(plane) = &self.plane {
+            plane.project(&mut f);
+        }
         f.iter_mut().for_each(|f| *f = -*f);
         if let Some((mut p, before)) = self.last.take() {
             let mut q: Vec<f64> = f.iter().zip(&before).map(|(f, before)| f - before).collect();
@@ -108,12 +131,12 @@ fn add(factor: f64, x: &[f64], y: &mut [f64]) {
 pub fn settle<S: System>(
     system: &S,
     start: (Vec<f64>, f64),
-    factors: &S::Factors,
+    (factors, plane): (&S::Factors, Option<Plane>),
     tolerance: f64,
     counts: &mut Counts,
 ) -> Result<Settled, Failure> {
-    let mut chord = Chord::new(system, start.clone(), factors);
-    let (mut before, mut last) = (f64::INFINITY, f64::INFINITY);
+    let mut chord = Chord::new(system, start.clone(), factors, plane);
+    let mut last = [f64::INFINITY; 3];
     for count in 1..=MOST_STEPS {
         let left = chord.advance(counts)?;
         if left < tolerance {
@@ -123,10 +146,10 @@ pub fn settle<S: System>(
             let distance = inner(system, moved, moved).sqrt();
             return Ok(Settled { x, lambda, steps: count, distance });
         }
-        if count > 3 && left > SLOWEST * before || left > WORST * last {
+        if left > SLOWEST * last[2] || left > WORST * last[0] {
             return Err(Failure::Diverged(left));
         }
-        (before, last) = (last, left);
+        last = [left, last[0], last[1]];
     }
-    Err(Failure::Diverged(last))
+    Err(Failure::Diverged(last[0]))
 }

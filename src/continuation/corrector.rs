@@ -129,7 +129,7 @@ pub fn polish<S: System>(
 ) -> Result<Corrected<S::Factors>, Failure> {
     counts.factorisations += 1;
     let factors = system.factor(&start.0, start.1, border)?;
-    let Settled { x, lambda, steps, distance } = settle(system, start, &factors, TOLERANCE, counts)?;
+    let Settled { x, lambda, steps, distance } = settle(system, start, (&factors, None), TOLERANCE, counts)?;
     let point = tangent(system, x, lambda, &factors)?;
     Ok(Corrected { point, factors, steps, distance })
 }

@@ -77,6 +77,9 @@ pub trait System {
     fn prepare(&mut self, _point: &mut Point) -> bool {
         false
     }
+
+    /// Where `prepare` changes which of many equivalent solutions is the one: the same of an earlier point.
+    fn align(&self, _past: &mut Point) {}
 }
 
 /// A factored bordered matrix.

@@ -21,7 +21,7 @@ impl StepControl {
     pub fn succeed(&mut self, steps: usize, angle: f64, miss: f64) {
         let by_steps = (WANTED_STEPS / steps as f64).sqrt();
         let by_angle = WANTED_ANGLE / angle.max(1e-12);
-        // The predictor is of third order: relative to the step its error goes as the step cubed.
+        // The predictor is of third order at least: relative to the step its error goes as the step cubed.
         let by_miss = (WANTED_MISS / miss.max(1e-12)).cbrt();
         let factor = by_steps.min(by_angle).min(by_miss).clamp(0.4, 1.6);
         self.step = (self.step * factor).min(self.most);

@@ -1,8 +1,8 @@
 //! The walk along a curve: an iterator of accepted steps.
 
-use super::chord::settle;
+use super::chord::{Plane, settle};
 use super::corrector::{SETTLED, polish, refactor};
-use super::{Border, Corrected, Counts, Failure, Point, StepControl, System, at_lambda, correct, inner};
+use super::{Border, Corrected, Counts, Failure, Point, StepControl, System, at_lambda, correct, inner, normalise};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use thiserror::Error;
@@ -29,48 +29,16 @@ pub enum Stop {
 pub struct WalkState {
     pub point: Point,
     pub control: StepControl,
-    bend: Option<Bend>,
+    /// Points before it on the same mesh, the last one first.
+    past: Vec<Point>,
     first: Option<Point>,
     steps: usize,
     /// The border of the factors at the point, if they are at hand for the next step.
     border: Option<Border>,
 }
 
-/// The cubic through the last two points along their tangents, `x(s) = x + s t + s² a + s³ b`, with s the arclength beyond
-/// the last one: the predictor. Entries are those of x, and that of lambda.
-#[derive(Clone, Debug, Serialize, Deserialize, PartialEq)]
-struct Bend {
-    a: Vec<f64>,
-    b: Vec<f64>,
-}
-
-impl Bend {
-    /// With D the difference of the points over the arclength l between them,
-    ///
-    /// ```text
-    /// a = (t_0 + 2 t_1 - 3 D) / l,      b = (t_0 + t_1 - 2 D) / l²;
-    /// ```
-    ///
-    /// l is that of the circle on the chord on which tangents turn by the angle between them.
-    fn new(from: &Point, to: &Point, chord: f64, angle: f64) -> Self {
-        let half = 0.5 * angle.max(1e-6);
-        let l = chord * half / half.sin();
-        let entries = |point: &Point| {
-            let x = point.x.iter().copied().chain([point.lambda]);
-            let t = point.tangent.iter().copied().chain([point.tangent_lambda]);
-            x.zip(t).collect::<Vec<_>>()
-        };
-        let (a, b) = entries(from)
-            .into_iter()
-            .zip(entries(to))
-            .map(|((x, t), (x_1, t_1))| {
-                let d = (x_1 - x) / l;
-                ((t + 2.0 * t_1 - 3.0 * d) / l, (t + t_1 - 2.0 * d) / (l * l))
-            })
-            .unzip();
-        Self { a, b }
-    }
-}
+/// Points before the last one that predictions take into account.
+const REMEMBERED: usize = 2;
 
 /// A step from one solution to the next, both on the same mesh.
 pub struct Step<F> {
@@ -95,7 +63,7 @@ pub struct Walk<'a, S: System> {
 impl<'a, S: System> Walk<'a, S> {
     /// From a solution with its tangent; `range` has the lower end first.
     pub fn new(system: &'a mut S, point: Point, control: StepControl, range: (f64, f64)) -> Self {
-        let state = WalkState { point, control, bend: None, first: None, steps: 0, border: None };
+        let state = WalkState { point, control, past: Vec::new(), first: None, steps: 0, border: None };
         Self::resume(system, state, range)
     }
 
@@ -109,9 +77,13 @@ impl<'a, S: System> Walk<'a, S> {
     pub fn step(&mut self) -> Result<Step<S::Factors>, Stop> {
         let mut from = self.state.point.clone();
         if self.system.prepare(&mut from) {
-            self.state.bend = None;
+            self.state.past.clear();
             self.held = None;
             self.settle(&mut from);
+        }
+        for past in &mut self.state.past {
+            self.system.align(past);
+            normalise(&*self.system, past);
         }
         loop {
             let h = self.state.control.step;
@@ -119,7 +91,7 @@ impl<'a, S: System> Walk<'a, S> {
                 Ok(corrected) => match self.beyond(corrected.point.lambda) {
                     None => return Ok(self.accept(from, corrected, h)),
                     // Next to a fold just beyond the end, shorter steps come closer.
-                    Some(end) => match self.finish(&from, &corrected.point, end) {
+                    Some(end) => match self.finish(&from, &corrected, end) {
                         Ok(step) => return Ok(step),
                         Err(failure) => failure,
                     },
@@ -149,8 +121,11 @@ impl<'a, S: System> Walk<'a, S> {
         let (x, lambda) = self.predict(from, h);
         let border = self.border(from);
         let counts = &mut self.counts;
-        let settled =
-            self.held.as_ref().and_then(|held| settle(&*self.system, (x.clone(), lambda), held, SETTLED, counts).ok());
+        let plane = Some(Plane { border: &border, along: from });
+        let settled = self
+            .held
+            .as_ref()
+            .and_then(|held| settle(&*self.system, (x.clone(), lambda), (&**held, plane), SETTLED, counts).ok());
         let corrected = match settled {
             Some(settled) => {
                 // The old factors are of no use any more, and large systems have no room for two.
@@ -160,19 +135,48 @@ impl<'a, S: System> Walk<'a, S> {
             None => correct(&*self.system, (x, lambda), &border, counts)?,
         };
         // A turn by more than 60 degrees means that another part of the curve was hit.
-        let to = &corrected.point;
-        let cosine = inner(&*self.system, (&from.tangent, from.tangent_lambda), (&to.tangent, to.tangent_lambda));
-        if cosine < 0.5 || corrected.distance > h { Err(Failure::Turned) } else { Ok(corrected) }
+        let turned = self.cosine(from, &corrected.point) < 0.5 || corrected.distance > h;
+        if turned { Err(Failure::Turned) } else { Ok(corrected) }
     }
 
+    /// At arclength s = h on the polynomial that goes through the points so far along their tangents,
+    ///
+    /// ```text
+    /// x(s) = sum_j l_j(s)² [ x_j + (s - s_j) (t_j - 2 l_j'(s_j) x_j) ],      l_j(s) = prod_{k != j} (s - s_k) / (s_j - s_k).
+    /// ```
     fn predict(&self, from: &Point, h: f64) -> (Vec<f64>, f64) {
-        let mut x: Vec<f64> = from.x.iter().zip(&from.tangent).map(|(x, t)| x + h * t).collect();
-        let mut lambda = from.lambda + h * from.tangent_lambda;
-        if let Some(Bend { a, b }) = &self.state.bend {
-            let entries = x.iter_mut().chain([&mut lambda]);
-            entries.zip(a.iter().zip(b)).for_each(|(x, (a, b))| *x += h * h * (a + h * b));
+        let mut points = vec![(from, 0.0)];
+        for point in &self.state.past {
+            let (next, s) = points[points.len() - 1];
+            points.push((point, s - self.arclength(point, next)));
+        }
+        let (mut x, mut lambda) = (vec![0.0; from.x.len()], 0.0);
+        for (j, &(point, s)) in points.iter().enumerate() {
+            let others = || points.iter().enumerate().filter(|(k, _)| *k != j).map(|(_, (_, other))| other);
+            let square = others().map(|other| (h - other) / (s - other)).product::<f64>().powi(2);
+            let slope: f64 = others().map(|other| 1.0 / (s - other)).sum();
+            let (of_point, of_tangent) = (square * (1.0 - 2.0 * slope * (h - s)), square * (h - s));
+            for (x, (y, t)) in x.iter_mut().zip(point.x.iter().zip(&point.tangent)) {
+                *x += of_point * y + of_tangent * t;
+            }
+            lambda += of_point * point.lambda + of_tangent * point.tangent_lambda;
         }
         (x, lambda)
+    }
+
+    /// That of the circle on the chord on which tangents turn by the angle between them.
+    fn arclength(&self, from: &Point, to: &Point) -> f64 {
+        let gap: Vec<f64> = to.x.iter().zip(&from.x).map(|(a, b)| a - b).collect();
+        let gap = (&gap[..], to.lambda - from.lambda);
+        let chord = inner(&*self.system, gap, gap).sqrt();
+        let half = 0.5 * self.cosine(from, to).acos().max(1e-6);
+        chord * half / half.sin()
+    }
+
+    /// Of the angle between two points' tangents.
+    fn cosine(&self, from: &Point, to: &Point) -> f64 {
+        let tangents = [from, to].map(|point| (&point.tangent[..], point.tangent_lambda));
+        inner(&*self.system, tangents[0], tangents[1]).min(1.0)
     }
 
     fn border(&self, from: &Point) -> Border {
@@ -181,13 +185,10 @@ impl<'a, S: System> Walk<'a, S> {
 
     fn accept(&mut self, from: Point, corrected: Corrected<S::Factors>, h: f64) -> Step<S::Factors> {
         let to = corrected.point;
-        let cosine =
-            inner(&*self.system, (&from.tangent, from.tangent_lambda), (&to.tangent, to.tangent_lambda)).min(1.0);
-        self.state.control.succeed(corrected.steps, cosine.acos(), corrected.distance / h);
-        let gap: Vec<f64> = to.x.iter().zip(&from.x).map(|(a, b)| a - b).collect();
-        let gap = (&gap[..], to.lambda - from.lambda);
-        let chord = inner(&*self.system, gap, gap).sqrt();
-        self.state.bend = Some(Bend::new(&from, &to, chord, cosine.acos()));
+        let angle = self.cosine(&from, &to).acos();
+        self.state.control.succeed(corrected.steps, angle, corrected.distance / h);
+        self.state.past.insert(0, from.clone());
+        self.state.past.truncate(REMEMBERED);
         self.state.steps += 1;
         let stop = self.closed(&to, h).then_some(Stop::Closed);
         if self.state.first.is_none() {
@@ -226,8 +227,8 @@ impl<'a, S: System> Walk<'a, S> {
     }
 
     /// The last step, exactly to the end of the range, between the last point and one beyond it.
-    fn finish(&mut self, from: &Point, beyond: &Point, end: f64) -> Result<Step<S::Factors>, Failure> {
-        let corrected = at_lambda(&*self.system, (from, beyond), end, &mut self.counts)?;
+    fn finish(&mut self, from: &Point, beyond: &Corrected<S::Factors>, end: f64) -> Result<Step<S::Factors>, Failure> {
+        let corrected = at_lambda(&*self.system, (from, &beyond.point), end, Some(&beyond.factors), &mut self.counts)?;
         let to = corrected.point;
         self.state.point = to.clone();
         self.state.steps += 1;

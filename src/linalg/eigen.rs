@@ -40,7 +40,7 @@ pub fn pencil(a: MatRef<'_, f64>, m: MatRef<'_, f64>, shift: f64, vectors: usize
     let moving: Vec<usize> = (0..size).filter(|&j| (0..size).any(|i| m[(i, j)] != 0.0)).collect();
     let n = moving.len();
     let mut images = Mat::from_fn(size, n, |i, j| m[(i, moving[j])]);
-    Lu::new(shifted.as_ref())?.solve_many(images.as_mut());
+    Lu::new(shifted)?.solve_many(images.as_mut());
     if !images.is_all_finite() {
         return Err(Singular);
     }

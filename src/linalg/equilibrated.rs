@@ -36,7 +36,7 @@ impl Equilibrated {
             times(&mut rows, &by_row);
             times(&mut columns, &by_column);
         }
-        Ok(Self { lu: Lu::new(a.as_ref())?, rows, columns })
+        Ok(Self { lu: Lu::new(a)?, rows, columns })
     }
 
     /// `A^-1 b` in place.

@@ -23,7 +23,7 @@ pub enum Factors {
 impl Factors {
     pub fn new(a: &Matrix) -> Result<Self, Singular> {
         Ok(match a {
-            Matrix::Dense(a) => Factors::Dense(Lu::new(a.as_ref())?),
+            Matrix::Dense(a) => Factors::Dense(Lu::new(a.clone())?),
             Matrix::Banded(a) => Factors::Banded(BandedLu::new(a)?),
             Matrix::Sparse(a) => Factors::Sparse(Box::new((SparseLu::new(&a.pattern, &a.values)?, a.clone()))),
         })
@@ -100,7 +100,7 @@ impl PencilFactors {
         match (a, m) {
             (Matrix::Dense(a), Matrix::Dense(m)) => {
                 let shifted = Mat::from_fn(a.nrows(), a.ncols(), |i, j| s * m[(i, j)] + a[(i, j)]);
-                Ok(PencilFactors::Dense(Lu::new(shifted.as_ref())?))
+                Ok(PencilFactors::Dense(Lu::new(shifted)?))
             }
             (Matrix::Sparse(a), Matrix::Sparse(m)) if a.pattern == m.pattern => {
                 let values: Vec<c64> = a.values.iter().zip(&m.values).map(|(&a, &m)| s * m + a).collect();

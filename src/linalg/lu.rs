@@ -1,8 +1,14 @@
 //! LU factors with partial pivoting, of real and complex matrices, plain and bordered.
 
-use faer::linalg::solvers::{PartialPivLu, SolveCore};
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use faer::linalg::triangular_solve::{
+    solve_lower_triangular_in_place_with_conj, solve_unit_lower_triangular_in_place,
+    solve_unit_upper_triangular_in_place_with_conj, solve_upper_triangular_in_place,
+};
+use faer::prelude::{Reborrow, ReborrowMut};
 use faer::traits::ComplexField;
-use faer::{Conj, Mat, MatMut, MatRef, c64};
+use faer::{Conj, Mat, MatMut, MatRef, Par, c64};
 use thiserror::Error;
 
 /// The matrix has no inverse in floating point.
@@ -12,42 +18,68 @@ pub struct Singular;
 
 /// `P A = L U`, ready to solve with A and its (conjugate) transpose.
 pub struct Lu<T> {
-    factors: PartialPivLu<T>,
-    n: usize,
+    /// L below the diagonal, U on and above it.
+    factors: Mat<T>,
+    /// Row i of P A is row `order[i]` of A.
+    order: Vec<usize>,
 }
 
 impl<T: ComplexField + Finite> Lu<T> {
-    /// Factors a square matrix; a zero or non-finite pivot is an error (faer itself would go on).
-    pub fn new(a: MatRef<'_, T>) -> Result<Self, Singular> {
-        let factors = a.partial_piv_lu();
-        let n = a.nrows();
-        let sound = (0..n).all(|i| factors.U()[(i, i)].is_sound());
-        if sound { Ok(Self { factors, n }) } else { Err(Singular) }
+    /// Factors a square matrix in its own memory; a zero or non-finite pivot is an error (faer itself would go on).
+    pub fn new(mut a: Mat<T>) -> Result<Self, Singular> {
+        let order = eliminate(&mut a)?;
+        Ok(Self { factors: a, order })
     }
 
     /// `A^-1 b` in place.
     pub fn solve(&self, b: &mut [T]) {
-        let rhs = MatMut::from_column_major_slice_mut(b, self.n, 1);
-        self.factors.solve_in_place_with_conj(Conj::No, rhs);
+        self.solve_many(MatMut::from_column_major_slice_mut(b, self.order.len(), 1));
     }
 
     /// `A^-1 B` in place.
-    pub fn solve_many(&self, b: MatMut<'_, T>) {
-        self.factors.solve_in_place_with_conj(Conj::No, b);
+    pub fn solve_many(&self, mut b: MatMut<'_, T>) {
+        permute(b.rb_mut(), &self.order);
+        solve_unit_lower_triangular_in_place(self.factors.as_ref(), b.rb_mut(), Par::Seq);
+        solve_upper_triangular_in_place(self.factors.as_ref(), b, Par::Seq);
     }
 
     /// `A^-H b` in place.
     pub fn solve_adjoint(&self, b: &mut [T]) {
-        let rhs = MatMut::from_column_major_slice_mut(b, self.n, 1);
-        self.factors.solve_transpose_in_place_with_conj(Conj::Yes, rhs);
+        let mut x = MatMut::from_column_major_slice_mut(b, self.order.len(), 1);
+        let adjoint = self.factors.transpose();
+        solve_lower_triangular_in_place_with_conj(adjoint, Conj::Yes, x.rb_mut(), Par::Seq);
+        solve_unit_upper_triangular_in_place_with_conj(adjoint, Conj::Yes, x, Par::Seq);
+        let solved = b.to_vec();
+        self.order.iter().zip(solved).for_each(|(&i, x)| b[i] = x);
     }
 }
 
 impl Lu<f64> {
     /// Sign of the determinant.
     pub fn sign(&self) -> f64 {
-        let sign = super::sparse::parity(self.factors.P().arrays().0);
-        (0..self.n).fold(sign, |sign, i| sign * self.factors.U()[(i, i)].signum())
+        let sign = super::sparse::parity(&self.order);
+        (0..self.order.len()).fold(sign, |sign, i| sign * self.factors[(i, i)].signum())
+    }
+}
+
+/// Elimination of a tall (or square) matrix's columns by partial pivoting, in place: L below the diagonal, U on and above it;
+/// the order of its rows.
+pub fn eliminate<T: ComplexField + Finite>(a: &mut Mat<T>) -> Result<Vec<usize>, Singular> {
+    let (rows, columns) = (a.nrows(), a.ncols());
+    let (mut order, mut inverse) = (vec![0_usize; rows], vec![0_usize; rows]);
+    let mut memory = MemBuffer::new(lu_in_place_scratch::<usize, T>(rows, columns, Par::Seq, Default::default()));
+    let stack = MemStack::new(&mut memory);
+    lu_in_place(a.as_mut(), &mut order, &mut inverse, Par::Seq, stack, Default::default());
+    if (0..columns).all(|i| a[(i, i)].is_sound()) { Ok(order) } else { Err(Singular) }
+}
+
+/// Brings rows into a new order.
+pub fn permute<T: Clone>(mut a: MatMut<'_, T>, order: &[usize]) {
+    let mut before = Vec::with_capacity(order.len());
+    for column in a.rb_mut().col_iter_mut() {
+        before.clear();
+        before.extend(column.rb().iter().cloned());
+        column.iter_mut().zip(order).for_each(|(x, &i)| *x = before[i].clone());
     }
 }
 
@@ -89,7 +121,7 @@ impl<T: ComplexField + Finite> Bordered<T> {
             (false, true) => faer::traits::math_utils::conj(&c[j]),
             (false, false) => d.clone(),
         });
-        Ok(Self { lu: Lu::new(full.as_ref())? })
+        Ok(Self { lu: Lu::new(full)? })
     }
 
     /// `[f; g]` in, `[x; y]` out.
@@ -110,7 +142,7 @@ mod tests {
     #[test]
     fn solves_and_signs() {
         let a = Mat::from_fn(4, 4, |i, j| 1.0 / (1.0 + i as f64 + 2.0 * j as f64) + if i == 3 - j { 1.0 } else { 0.0 });
-        let lu = Lu::new(a.as_ref()).unwrap();
+        let lu = Lu::new(a.clone()).unwrap();
         assert_eq!(lu.sign(), a.determinant().signum());
         let x = [1.0, -2.0, 3.0, 0.5];
         let mut b: Vec<f64> = (0..4).map(|i| (0..4).map(|j| a[(i, j)] * x[j]).sum()).collect();
@@ -120,6 +152,6 @@ mod tests {
         for i in 0..4 {
             assert!((b[i] - x[i]).abs() < 1e-13 && (bt[i] - x[i]).abs() < 1e-13);
         }
-        assert!(Lu::new(Mat::<f64>::zeros(3, 3).as_ref()).is_err());
+        assert!(Lu::new(Mat::<f64>::zeros(3, 3)).is_err());
     }
 }

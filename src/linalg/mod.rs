@@ -22,7 +22,7 @@ pub use eigen::{Eigenpair, growth, pencil, shifted};
 pub use equilibrated::Equilibrated;
 pub use factors::{Factors, PencilFactors};
 pub use krylov::{Leading, leading, nearest};
-pub use lu::{Bordered, Lu, Singular};
+pub use lu::{Bordered, Lu, Singular, eliminate, permute};
 pub use matrix::{Matrix, Structure};
 pub use rightmost::{EigenFailure, Rightmost, rightmost};
 pub use sparse::{Pattern, Sparse, SparseLu};

@@ -57,9 +57,9 @@ pub fn rightmost(a: MatRef<'_, f64>, m: MatRef<'_, f64>, shift: f64) -> Result<R
     let shifted = |s: c64| Mat::from_fn(n, n, |i, j| s * m[(i, j)] + a[(i, j)]);
     // At an eigenvalue to the last bit a pivot may vanish: half a digit beside it none does.
     let beside = rough + 10.0 * f64::EPSILON * (shift + rough.norm());
-    let (s, lu) = match Lu::new(shifted(rough).as_ref()) {
+    let (s, lu) = match Lu::new(shifted(rough)) {
         Ok(lu) => (rough, lu),
-        Err(Singular) => (beside, Lu::new(shifted(beside).as_ref())?),
+        Err(Singular) => (beside, Lu::new(shifted(beside))?),
     };
     let start = |n: usize| -> Vec<c64> { (0..n).map(|i| c64::new(1.0 + 0.5 * (i as f64).sin(), 0.0)).collect() };
     let (mut x, mut y) = (start(n), start(n));

@@ -111,7 +111,7 @@ impl Algebraic {
         }
         let inner = Elimination::new(inside, right, nx)?;
         let rows = inner.remaining();
-        let end = Lu::new(rows.d.ok_or(Singular)?)?;
+        let end = Lu::new(rows.d.ok_or(Singular)?.to_owned())?;
         // x_b = rho - [C E] (x_a, z), and y_b from it.
         let mut reach = Mat::from_fn(nx, nx + count, |i, j| if j < nx { rows.c[(i, j)] } else { rows.e[(i, j - nx)] });
         end.solve_many(reach.as_mut());
@@ -126,7 +126,7 @@ impl Algebraic {
             }
         }
         let mut inverse = Mat::identity(m, m);
-        Lu::new(Mat::from_fn(m, m, |i, l| value[i][l + 1]).as_ref())?.solve_many(inverse.as_mut());
+        Lu::new(Mat::from_fn(m, m, |i, l| value[i][l + 1]))?.solve_many(inverse.as_mut());
         let value = value.to_vec();
         Ok(Self { moving, still, points, inner, end, remaining, value, inverse, borders: Vec::new(), count })
     }
@@ -295,7 +295,7 @@ mod tests {
             *b -= (0..n).map(|j| rows.at(i, j) * a[j]).sum::<f64>();
             *b -= z.iter().enumerate().map(|(s, z)| rows.at(i, 2 * n + s) * z).sum::<f64>();
         }
-        Lu::new(Mat::from_fn(n, n, |i, j| rows.at(i, n + j)).as_ref()).expect("an end").solve(&mut b);
+        Lu::new(Mat::from_fn(n, n, |i, j| rows.at(i, n + j))).expect("an end").solve(&mut b);
         let mut nodes = vec![0.0; r.len()];
         condensed.back(forwarded, (a, &b), z, &mut nodes);
         let nodes = nodes.split_off(n);

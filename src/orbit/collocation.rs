@@ -219,20 +219,22 @@ impl Collocation {
         dot(&self.phase, &nodes[..self.phase.len()]) - self.phase_there
     }
 
-    /// Takes from a direction what only moves the reference along itself, so that it keeps to the phase condition.
-    fn keep_phase(&self, direction: &mut [f64]) {
-        let orbit = &self.reference;
+    /// An orbit's rates at the nodes, the last one left out: what moves it along itself.
+    fn along(&self, orbit: &Orbit) -> Vec<f64> {
         let (n, m) = (orbit.dim, self.scheme.degree);
-        let along: Vec<f64> = (0..self.phase.len() / n)
+        (0..self.phase.len() / n)
             .flat_map(|i| {
                 let (from, to) = (self.mesh[i / m], self.mesh[i / m + 1]);
                 orbit.at(from + (to - from) * self.scheme.nodes[i % m], &self.scheme).1
             })
-            .collect();
-        let moved = dot(&self.phase, &along);
+            .collect()
+    }
+
+    /// Moves nodes, or a direction, along an orbit, until they miss the phase condition by nothing instead of `miss`.
+    fn keep_phase(&self, along: &[f64], nodes: &mut [f64], miss: f64) {
+        let moved = dot(&self.phase, along);
         if moved != 0.0 {
-            let share = dot(&self.phase, &direction[..along.len()]) / moved;
-            direction.iter_mut().zip(&along).for_each(|(d, a)| *d -= share * a);
+            nodes.iter_mut().zip(along).for_each(|(x, a)| *x -= miss / moved * a);
         }
     }
 
@@ -357,7 +359,8 @@ impl System for Collocation {
             true
         } else {
             self.refer_to(&orbit);
-            self.keep_phase(&mut point.tangent);
+            let miss = dot(&self.phase, &point.tangent[..self.phase.len()]);
+            self.keep_phase(&self.along(&self.reference), &mut point.tangent, miss);
             // The metric has changed, too: the tangent's length is one again.
             let along = (&point.tangent[..], point.tangent_lambda);
             let length = inner(self, along, along).sqrt();
@@ -365,6 +368,13 @@ impl System for Collocation {
             point.tangent_lambda /= length;
             self.scale_part() != scale
         }
+    }
+
+    fn align(&self, past: &mut Point) {
+        let along = self.along(&self.orbit(&past.x));
+        let misses = [self.phase_of(&past.x), dot(&self.phase, &past.tangent[..along.len()])];
+        self.keep_phase(&along, &mut past.x, misses[0]);
+        self.keep_phase(&along, &mut past.tangent, misses[1]);
     }
 }
 

@@ -212,7 +212,7 @@ fn nodes(places: &[usize], scales: &[f64], (value, slope): (&[Vec<f64>], &[Vec<f
         return Ok(Mat::from_fn(m + 1, m + 1, |l, c| rows[c][l]));
     }
     let mut nodes = Mat::identity(m + 1, m + 1);
-    Lu::new(Mat::from_fn(m + 1, m + 1, |i, j| rows[i][j]).as_ref())?.solve_many(nodes.as_mut());
+    Lu::new(Mat::from_fn(m + 1, m + 1, |i, j| rows[i][j]))?.solve_many(nodes.as_mut());
     Ok(nodes)
 }
 
@@ -272,7 +272,7 @@ mod tests {
             subtract_product(rows.c, &a, &mut b);
             subtract_product(rows.e, &z, &mut b);
             match rows.d {
-                Some(d) => Lu::new(d).expect("an end").solve(&mut b),
+                Some(d) => Lu::new(d.to_owned()).expect("an end").solve(&mut b),
                 None => b.iter_mut().for_each(|b| *b = -*b),
             }
             let mut nodes = vec![0.0; m * n];

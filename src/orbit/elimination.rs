@@ -8,9 +8,7 @@
 //! along. Eliminations run side by side, each on one thread.
 
 use super::rows::{GROWTH, Reach, Rows, subtract_product};
-use crate::linalg::{Lu, Singular, dot};
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use crate::linalg::{Lu, Singular, dot, eliminate, permute};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::{
     solve_lower_triangular_in_place, solve_unit_lower_triangular_in_place, solve_upper_triangular_in_place,
@@ -34,21 +32,9 @@ pub struct Elimination {
 impl Elimination {
     /// Eliminates the columns of `inside`; `right` has columns `[x_a (n), x_b (n), z]`.
     pub fn new(mut inside: Mat<f64>, mut right: Mat<f64>, n: usize) -> Result<Self, Singular> {
-        let (rows, columns) = (inside.nrows(), inside.ncols());
-        let (mut order, mut inverse) = (vec![0_usize; rows], vec![0_usize; rows]);
-        let mut memory = MemBuffer::new(lu_in_place_scratch::<usize, f64>(rows, columns, Par::Seq, Default::default()));
-        lu_in_place(
-            inside.as_mut(),
-            &mut order,
-            &mut inverse,
-            Par::Seq,
-            MemStack::new(&mut memory),
-            Default::default(),
-        );
-        if (0..columns).any(|i| !inside[(i, i)].is_finite() || inside[(i, i)] == 0.0) {
-            return Err(Singular);
-        }
-        permute(&mut right, &order);
+        let columns = inside.ncols();
+        let order = eliminate(&mut inside)?;
+        permute(right.as_mut(), &order);
         let (mut top, bottom) = right.as_mut().split_at_row_mut(columns);
         solve_unit_lower_triangular_in_place(inside.as_ref().subrows(0, columns), top.as_mut(), Par::Seq);
         matmul(bottom, Accum::Add, inside.as_ref().subrows(columns, n), top.as_ref(), -1.0, Par::Seq);
@@ -59,7 +45,7 @@ impl Elimination {
     /// that, they are left as pivoting made them.
     pub fn solve_for_end(&mut self) {
         let Rows { c, d: Some(d), e } = self.remaining() else { return };
-        let Ok(end) = Lu::new(d) else { return };
+        let Ok(end) = Lu::new(d.to_owned()) else { return };
         let n = self.n;
         let mut solved = Mat::from_fn(n, n + e.ncols(), |i, j| if j < n { -c[(i, j)] } else { -e[(i, j - n)] });
         end.solve_many(solved.as_mut());
@@ -133,15 +119,5 @@ impl Elimination {
         let view = faer::MatMut::from_column_major_slice_mut(&mut top, columns, 1);
         solve_upper_triangular_in_place(self.upper(), view, Par::Seq);
         top
-    }
-}
-
-/// Brings rows into a new order.
-fn permute(a: &mut Mat<f64>, order: &[usize]) {
-    let mut before = vec![0.0; a.nrows()];
-    for j in 0..a.ncols() {
-        let column = a.col_as_slice_mut(j);
-        before.copy_from_slice(column);
-        column.iter_mut().zip(order).for_each(|(x, &i)| *x = before[i]);
     }
 }

@@ -89,7 +89,8 @@ struct Transition<'a> {
 impl<'a> Transitions<'a> {
     /// From each interval's condensed rows.
     pub fn new(intervals: &[Rows<'a>]) -> Result<Self, Singular> {
-        let one = |&Rows { c, d, .. }: &Rows<'a>| Ok(Transition { c, d: d.map(Lu::new).transpose()? });
+        let one =
+            |&Rows { c, d, .. }: &Rows<'a>| Ok(Transition { c, d: d.map(|d| Lu::new(d.to_owned())).transpose()? });
         Ok(Self { maps: intervals.par_iter().map(one).collect::<Result<_, _>>()?, formed: None })
     }
 

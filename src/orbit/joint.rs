@@ -120,7 +120,7 @@ mod tests {
         right.as_mut().subcols_mut(0, n).copy_from(rows.c);
         right.as_mut().subcols_mut(n, ends - n).copy_from(rows.e);
         match rows.d {
-            Some(d) => crate::linalg::Lu::new(d).expect("regular").solve_many(right.as_mut()),
+            Some(d) => crate::linalg::Lu::new(d.to_owned()).expect("regular").solve_many(right.as_mut()),
             None => right = -right,
         }
         right

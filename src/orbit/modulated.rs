@@ -49,7 +49,7 @@ impl Modulation {
         let count = columns.len();
         let gram = Mat::from_fn(count, count, |i, j| dot(&columns[i], &columns[j]));
         let mut drift: Vec<f64> = columns.iter().map(|column| -dot(column, &rest)).collect();
-        Lu::new(gram.as_ref()).ok()?.solve(&mut drift);
+        Lu::new(gram).ok()?.solve(&mut drift);
         let force = dot(&rest, &rest);
         for (column, c) in columns.iter().zip(&drift) {
             rest.iter_mut().zip(column).for_each(|(r, x)| *r += c * x);

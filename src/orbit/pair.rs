@@ -9,9 +9,7 @@
 //! need be regular, and stiff parts are expressed by their rates, others by their values. Both columns of an unknown are first
 //! divided by their size, so that units do not matter.
 
-use crate::linalg::Singular;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratch};
+use crate::linalg::{Singular, eliminate};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_unit_upper_triangular_in_place};
 use faer::{Mat, MatMut, Par};
 
@@ -40,13 +38,7 @@ impl Pair {
                 tall[(n + j, i)] = d * s * y;
             }
         }
-        let (mut order, mut inverse) = (vec![0_usize; 2 * n], vec![0_usize; 2 * n]);
-        let mut memory = MemBuffer::new(lu_in_place_scratch::<usize, f64>(2 * n, n, Par::Seq, Default::default()));
-        let stack = MemStack::new(&mut memory);
-        lu_in_place(tall.as_mut(), &mut order, &mut inverse, Par::Seq, stack, Default::default());
-        if (0..n).any(|i| !tall[(i, i)].is_finite() || tall[(i, i)] == 0.0) {
-            return Err(Singular);
-        }
+        let order = eliminate(&mut tall)?;
         let (factors, below) = tall.as_ref().split_at_row(n);
         let mut kept = Mat::zeros(n, n + width);
         kept.as_mut().subcols_mut(0, n).copy_from(below.transpose());

@@ -230,7 +230,7 @@ impl BranchFactors {
             u: x[..n].to_vec(),
             columns: [solve(&frame, &by_other), solve(&frame, &curve.unfolding)],
             row,
-            small: Lu::new(Mat::<f64>::identity(4, 4).as_ref())?,
+            small: Lu::new(Mat::<f64>::identity(4, 4))?,
             sizes: [1.0; 4],
             curve: curve.clone(),
             frame,
@@ -256,7 +256,7 @@ impl BranchFactors {
         // Rows of one size: the pivots of so small a system would otherwise depend on units.
         factors.sizes = [0, 1, 2, 3].map(|i| (0..4).map(|j| small[(i, j)].abs()).fold(f64::MIN_POSITIVE, f64::max));
         let small = Mat::from_fn(4, 4, |i, j| small[(i, j)] / factors.sizes[i]);
-        factors.small = Lu::new(small.as_ref())?;
+        factors.small = Lu::new(small)?;
         Ok(factors)
     }
 

@@ -193,7 +193,7 @@ impl BranchPoint {
             let most = m.iter().flatten().fold(f64::MIN_POSITIVE, |most, x| x.abs().max(most));
             let small = Mat::from_fn(2, 2, |i, j| m[i][j] / most);
             let mut t = [0, 1].map(|j| -(frame.g[j] * frame.size + bend(&q[j], &moved)) / most);
-            Lu::new(small.as_ref()).map_err(|_| BranchError::Degenerate)?.solve(&mut t);
+            Lu::new(small).map_err(|_| BranchError::Degenerate)?.solve(&mut t);
             let d: Vec<f64> = (0..=n).map(|i| particular[i] + t[0] * frame.q[0][i] + t[1] * frame.q[1][i]).collect();
             let step_of = place.unscaled(&d);
             if !finite(&d) {

@@ -41,7 +41,7 @@ impl FoldFactors {
             w,
             by_parameters: [Vec::new(), Vec::new()],
             row,
-            small: Lu::new(Mat::<f64>::identity(3, 3).as_ref())?,
+            small: Lu::new(Mat::<f64>::identity(3, 3))?,
             sizes: [1.0; 3],
         };
         let mut small = Mat::zeros(3, 3);
@@ -66,7 +66,7 @@ impl FoldFactors {
         // Rows of one size: the pivots of so small a system would otherwise depend on units.
         factors.sizes = [0, 1, 2].map(|i| (0..3).map(|j| small[(i, j)].abs()).fold(f64::MIN_POSITIVE, f64::max));
         let small = Mat::from_fn(3, 3, |i, j| small[(i, j)] / factors.sizes[i]);
-        factors.small = Lu::new(small.as_ref())?;
+        factors.small = Lu::new(small)?;
         Ok(factors)
     }
 

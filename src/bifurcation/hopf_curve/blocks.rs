@@ -102,7 +102,7 @@ impl HopfFactors {
             by_parameters,
             by_t,
             rows: rows.iter().map(|row| row[..n].to_vec()).collect(),
-            small: Lu::new(small.as_ref())?,
+            small: Lu::new(small)?,
             sizes,
             unit_kappa,
             problem,

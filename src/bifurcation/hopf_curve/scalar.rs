@@ -60,7 +60,7 @@ impl Scalar {
                 full[(2 * n + half, half * n + j)] = size * borders.row[j];
             }
         }
-        let lu = Lu::new(full.as_ref())?;
+        let lu = Lu::new(full)?;
         let solution = |row: usize, transposed: bool| {
             let mut x = vec![0.0; 2 * n + 2];
             x[2 * n + row] = size;

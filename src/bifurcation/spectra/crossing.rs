@@ -133,7 +133,7 @@ impl Spectra<'_> {
         if lambda < low - slack || lambda > high + slack {
             return None;
         }
-        let mut point = at_lambda(self.system, (&a.point, &b.point), lambda, counts).ok()?.point;
+        let mut point = at_lambda(self.system, (&a.point, &b.point), lambda, None, counts).ok()?.point;
         point.x.copy_from_slice(&hopf.u);
         let mut sample = Sample::new(point, Some(Mark::Hopf(Box::new((hopf, form)))));
         sample.values = self.at(&sample.point, counts).ok()?;

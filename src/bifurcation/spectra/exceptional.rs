@@ -101,7 +101,7 @@ impl Spectra<'_> {
         let ends = (settle(&a.point)?, settle(&b.point)?);
         let mut counts = Counts::default();
         let mut look = |lambda: f64| {
-            let point = at_lambda(fine, (&ends.0, &ends.1), lambda, &mut counts).ok()?.point;
+            let point = at_lambda(fine, (&ends.0, &ends.1), lambda, None, &mut counts).ok()?.point;
             let values = self.looked_at(fine, &point.x, point.lambda).ok()?;
             Some(Meeting::nearest(&values, Meeting { mean, discriminant: 0.0 }))
         };

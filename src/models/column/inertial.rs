@@ -2,7 +2,7 @@
 //! (psi_t, psi_tt) = (omega, omega_t).
 
 use crate::linalg::Matrix;
-use crate::models::rod::{Basis, Forces, Motion, State, end, line, slopes, times, work};
+use crate::models::rod::{Basis, Forces, Motion, State, end, line, slopes, times, times_both, work};
 use crate::problem::{At, Scalar};
 use faer::reborrow::ReborrowMut;
 
@@ -43,7 +43,7 @@ pub fn tip(basis: &Basis, psi: &[f64]) -> [f64; 3] {
 pub fn energy(basis: &Basis, forces: &Forces<f64>, u: &[f64]) -> f64 {
     let (psi, rate) = u.split_at(basis.functions);
     let bending: f64 = psi.iter().zip(&basis.stiffness).map(|(c, k)| 0.5 * k * c * c).sum();
-    let (angles, rates) = (times(&basis.value, psi), times(&basis.value, rate));
+    let [angles, rates] = times_both(&basis.value, [psi, rate]);
     let motion = Motion::new(basis, &angles, &rates);
     let squares = motion.v_x.iter().zip(&motion.v_y).map(|(x, y)| x * x + y * y);
     let v_x = basis.total(rates.iter().zip(&motion.sine).map(|(r, s)| -r * s));

@@ -70,7 +70,7 @@ impl pulp::NullaryFnOnce for Fill<'_> {
         for (n, left) in left.iter_mut().enumerate() {
             let eps = EPS[n];
             let traction = model.traction(eps, &groups, (&psi[n], &psi_t[n]), (&distribution, &f_n));
-            let (beyond_x, beyond_y) = (basis.beyond(&traction.g_x), basis.beyond(&traction.g_y));
+            let [beyond_x, beyond_y] = basis.beyond([&traction.g_x, &traction.g_y]);
             let normal = |i: usize| [-traction.motion.sine[i], traction.motion.cosine[i]];
             for i in 0..m {
                 let normals = functions.col_as_slice_mut(i).split_at_mut(k);

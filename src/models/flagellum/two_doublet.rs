@@ -23,7 +23,7 @@
 use super::observables;
 use super::parameters::{EPS, Groups, Law, index, parameters};
 use crate::linalg::Matrix;
-use crate::models::rod::{Basis, Load, Motion, finer, times};
+use crate::models::rod::{Basis, Load, Motion, finer, times, times_both};
 use crate::problem::{At, Automatic, Formula, Observable, Parameter, Problem, Refinement, Reflection, Scalar};
 use std::sync::Arc;
 
@@ -84,7 +84,7 @@ impl TwoDoublet {
     /// Angles (or their rates) of both doublets at the Gauss points.
     pub(super) fn on_points<S: Scalar>(&self, c: &[S]) -> [Vec<S>; 2] {
         let (first, second) = c.split_at(self.basis.functions);
-        [times(&self.basis.value, first), times(&self.basis.value, second)]
+        times_both(&self.basis.value, [first, second])
     }
 }
 
@@ -141,7 +141,7 @@ impl Formula for TwoDoublet {
         let k = self.basis.functions;
         for (n, out) in g.chunks_mut(k).enumerate() {
             let traction = self.traction(EPS[n], &groups, (&psi[n], &psi_t[n]), (&distribution, &f_n));
-            let (beyond_x, beyond_y) = (self.basis.beyond(&traction.g_x), self.basis.beyond(&traction.g_y));
+            let [beyond_x, beyond_y] = self.basis.beyond([&traction.g_x, &traction.g_y]);
             let projected = traction.motion.tested(&self.basis, [&beyond_x, &beyond_y], m.as_deref());
             for i in 0..k {
                 out[i] = projected[i] + groups.bending[n] * u[n * k + i];

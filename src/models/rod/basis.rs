@@ -84,12 +84,14 @@ impl Basis {
         angles(self.functions, self.turns, x).iter().zip(c).map(|(q, c)| q * c).sum()
     }
 
-    /// `int_x^1 g dx'` at the Gauss points, times the weights. By parts, exact on Gauss points, w_i A_ij + w_j A_ji is
-    /// w_i w_j for A = `integral`: this is A^T W g, the discrete adjoint, and the Galerkin form stays symmetric.
-    pub fn beyond<S: Scalar>(&self, g: &[S]) -> Vec<S> {
-        let total = self.total(g.iter().copied());
-        let mut beyond = times(&self.integral, g);
-        beyond.iter_mut().zip(&self.w).for_each(|(b, &w)| *b = (total - *b) * w);
+    /// `int_x^1 g dx'` at the Gauss points, times the weights, along x and y. By parts, exact on Gauss points, w_i A_ij + w_j
+    /// A_ji is w_i w_j for A = `integral`: this is A^T W g, the discrete adjoint, and the Galerkin form stays symmetric.
+    pub fn beyond<S: Scalar>(&self, g: [&[S]; 2]) -> [Vec<S>; 2] {
+        let mut beyond = times_both(&self.integral, g);
+        for (beyond, g) in beyond.iter_mut().zip(g) {
+            let total = self.total(g.iter().copied());
+            beyond.iter_mut().zip(&self.w).for_each(|(b, &w)| *b = (total - *b) * w);
+        }
         beyond
     }
 
@@ -184,47 +186,69 @@ pub fn gauss(n: usize) -> (Vec<f64>, Vec<f64>) {
 
 /// Matrix times vector over any scalar, compiled for each kind of vector unit and chosen when the program runs.
 pub fn times<S: Scalar>(a: &Mat<f64>, x: &[S]) -> Vec<S> {
-    pulp::Arch::new().dispatch(Times { a, x })
-}
-
-struct Times<'a, S> {
-    a: &'a Mat<f64>,
-    x: &'a [S],
-}
-
-impl<S: Scalar> pulp::NullaryFnOnce for Times<'_, S> {
-    type Output = Vec<S>;
-
-    #[inline(always)]
-    fn call(self) -> Vec<S> {
-        multiplied(self.a, self.x)
-    }
-}
-
-/// Four columns at a time, so that the sums pass through memory less often.
-#[inline(always)]
-fn multiplied<S: Scalar>(a: &Mat<f64>, x: &[S]) -> Vec<S> {
-    let mut y = vec![S::from(0.0); a.nrows()];
-    let column = |j| a.col_as_slice(j);
-    let blocks = x.chunks_exact(4);
-    let done = x.len() - blocks.remainder().len();
-    for (x, j) in blocks.zip((0..).step_by(4)) {
-        add_columns(&mut y, x, column(j), column(j + 1), column(j + 2), column(j + 3));
-    }
-    for (j, &x) in x.iter().enumerate().skip(done) {
-        y.iter_mut().zip(column(j)).for_each(|(y, &a)| *y += x * a);
-    }
+    let [y] = pulp::Arch::new().dispatch(Times { a, x: [x] });
     y
 }
 
-/// Slices as arguments are known not to overlap, which spares a test before every vector loop.
-#[inline(always)]
-fn add_columns<S: Scalar>(y: &mut [S], x: &[S], a0: &[f64], a1: &[f64], a2: &[f64], a3: &[f64]) {
-    let columns = a0.iter().zip(a1).zip(a2.iter().zip(a3));
-    let (x0, x1, x2, x3) = (x[0], x[1], x[2], x[3]);
-    for (y, ((&a0, &a1), (&a2, &a3))) in y.iter_mut().zip(columns) {
-        *y += (x0 * a0 + x1 * a1) + (x2 * a2 + x3 * a3);
+/// The same for two vectors of one length, for which the matrix passes through memory once.
+pub fn times_both<S: Scalar>(a: &Mat<f64>, x: [&[S]; 2]) -> [Vec<S>; 2] {
+    pulp::Arch::new().dispatch(Times { a, x })
+}
+
+struct Times<'a, S, const N: usize> {
+    a: &'a Mat<f64>,
+    x: [&'a [S]; N],
+}
+
+impl<S: Scalar> pulp::NullaryFnOnce for Times<'_, S, 1> {
+    type Output = [Vec<S>; 1];
+
+    #[inline(always)]
+    fn call(self) -> [Vec<S>; 1] {
+        multiplied(self, |[y], x, a| {
+            let [x] = x;
+            y.iter_mut().zip(a[0]).zip(a[1]).zip(a[2]).zip(a[3]).for_each(|((((y, &a), &b), &c), &d)| {
+                *y += (x[0] * a + x[1] * b) + (x[2] * c + x[3] * d);
+            });
+        })
     }
+}
+
+impl<S: Scalar> pulp::NullaryFnOnce for Times<'_, S, 2> {
+    type Output = [Vec<S>; 2];
+
+    #[inline(always)]
+    fn call(self) -> [Vec<S>; 2] {
+        multiplied(self, |[y, z], [x, w], a| {
+            let columns = a[0].iter().zip(a[1]).zip(a[2]).zip(a[3]);
+            y.iter_mut().zip(z).zip(columns).for_each(|((y, z), (((&a, &b), &c), &d))| {
+                *y += (x[0] * a + x[1] * b) + (x[2] * c + x[3] * d);
+                *z += (w[0] * a + w[1] * b) + (w[2] * c + w[3] * d);
+            });
+        })
+    }
+}
+
+/// Four columns at a time, so that the sums pass through memory less often. Slices as arguments of `add` are known not to
+/// overlap, which spares a test before every vector loop.
+#[inline(always)]
+fn multiplied<S: Scalar, const N: usize>(
+    Times { a, x }: Times<'_, S, N>,
+    add: impl Fn([&mut [S]; N], [[S; 4]; N], [&[f64]; 4]),
+) -> [Vec<S>; N] {
+    let mut y = [(); N].map(|()| vec![S::from(0.0); a.nrows()]);
+    let (columns, done) = (a.ncols(), a.ncols() - a.ncols() % 4);
+    for j in (0..done).step_by(4) {
+        add(
+            y.each_mut().map(|y| &mut y[..]),
+            x.map(|x| [x[j], x[j + 1], x[j + 2], x[j + 3]]),
+            [j, j + 1, j + 2, j + 3].map(|j| a.col_as_slice(j)),
+        );
+    }
+    for j in done..columns {
+        y.iter_mut().zip(x).for_each(|(y, x)| y.iter_mut().zip(a.col_as_slice(j)).for_each(|(y, &a)| *y += x[j] * a));
+    }
+    y
 }
 
 #[cfg(test)]

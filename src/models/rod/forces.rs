@@ -11,7 +11,7 @@
 //! C = 2 M U for a plug flow of mass M per length at speed U, whose momentum M U^2 is a follower load at the tip:
 //! the fluid's acceleration is `r_tt + 2 U psi_t n + U^2 psi_x n`, and `int w . n psi_x dx = w(1) . t(1)`.
 
-use super::basis::{Basis, times};
+use super::basis::{Basis, times, times_both};
 use super::motion::Motion;
 use crate::problem::Scalar;
 
@@ -70,7 +70,7 @@ pub struct Bracket<S> {
 /// Evaluates the bracket from values at the Gauss points; psi at the tip is `end`.
 pub fn bracket<S: Scalar>(basis: &Basis, forces: &Forces<S>, state: &State<'_, S>, end: S) -> Bracket<S> {
     let on_points = |c: &[S]| times(&basis.value, c);
-    let (psi, rate) = (on_points(state.psi), on_points(state.rate));
+    let [psi, rate] = times_both(&basis.value, [state.psi, state.rate]);
     let motion = Motion::new(basis, &psi, &rate);
     let (s, c) = (&motion.sine, &motion.cosine);
     let m = basis.points;
@@ -102,13 +102,12 @@ pub fn bracket<S: Scalar>(basis: &Basis, forces: &Forces<S>, state: &State<'_, S
             g[1][i] += forces.profile[i] * y;
         }
     }
-    let [x, y] = [0, 1].map(|d| {
-        let mut beyond = basis.beyond(&g[d]);
-        beyond.iter_mut().zip(&basis.w).for_each(|(b, &w)| *b += tip[d] * w);
-        beyond
-    });
+    let mut beyond = basis.beyond([&g[0], &g[1]]);
+    for (beyond, tip) in beyond.iter_mut().zip(tip) {
+        beyond.iter_mut().zip(&basis.w).for_each(|(b, &w)| *b += tip * w);
+    }
     let total = [0, 1].map(|d| tip[d] + basis.total(g[d].iter().copied()));
-    Bracket { motion, beyond: [x, y], total }
+    Bracket { motion, beyond, total }
 }
 
 /// psi at the tip.

@@ -13,7 +13,7 @@ mod load;
 mod motion;
 mod refinement;
 
-pub use basis::{Basis, antiderivative, gauss, legendre, peak, times};
+pub use basis::{Basis, antiderivative, gauss, legendre, peak, times, times_both};
 pub use forces::{Forces, Push, State, bracket, end, work};
 pub use halves::{slice, slice_mut};
 pub use line::line;

@@ -1,6 +1,6 @@
 //! Directions and velocities of a rod of unit length.
 
-use super::basis::{Basis, times};
+use super::basis::{Basis, times, times_both};
 use crate::problem::Scalar;
 
 /// Directions and velocities at the Gauss points.
@@ -16,8 +16,9 @@ impl<S: Scalar> Motion<S> {
     /// From the angles and their rates at the Gauss points.
     pub fn new(basis: &Basis, psi: &[S], psi_t: &[S]) -> Self {
         let (sine, cosine): (Vec<S>, Vec<S>) = psi.iter().map(|a| a.sin_cos()).unzip();
-        let v_x = times(&basis.integral, &psi_t.iter().zip(&sine).map(|(&a, &s)| -a * s).collect::<Vec<_>>());
-        let v_y = times(&basis.integral, &psi_t.iter().zip(&cosine).map(|(&a, &c)| a * c).collect::<Vec<_>>());
+        let turning = |n: &[S]| psi_t.iter().zip(n).map(|(&a, &n)| a * n).collect::<Vec<S>>();
+        let [mut v_x, v_y] = times_both(&basis.integral, [&turning(&sine), &turning(&cosine)]);
+        v_x.iter_mut().for_each(|v| *v = -*v);
         Self { sine, cosine, v_x, v_y }
     }
 

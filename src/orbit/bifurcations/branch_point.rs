@@ -132,7 +132,7 @@ impl BranchPoint {
             let by = [0, 1].map(|j| cross.along(&cross.fields[j]));
             let small = faer::mat![[by[0][0], by[1][0]], [by[0][1], by[1][1]]];
             let mut s = [0, 1].map(|i| cross.solutions[i].g[0] - along[i]);
-            Lu::new(small.as_ref())?.solve(&mut s);
+            Lu::new(small)?.solve(&mut s);
             let mut step = unknowns(&particular, equations);
             let (mut step_lambda, mut step_alpha) = (particular.z[1], particular.g[0]);
             for (s, q) in s.iter().zip(&cross.solutions) {

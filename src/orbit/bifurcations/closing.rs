@@ -100,7 +100,7 @@ impl Closed {
                 a[(n + i, z + s)] = linear.reaches[border].z[s] + direct[s];
             }
         }
-        Ok(Self { lu: Lu::new(a.as_ref())?, closing })
+        Ok(Self { lu: Lu::new(a)?, closing })
     }
 
     pub fn column(&self) -> Option<Vec<f64>> {

@@ -232,7 +232,7 @@ impl CriticalFactors {
             kernel: flat,
             by_parameters,
             rows: rows.iter().map(|row| row[..orbital].to_vec()).collect(),
-            small: Lu::new(small.as_ref())?,
+            small: Lu::new(small)?,
             sizes,
             place,
         })

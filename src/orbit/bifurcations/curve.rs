@@ -114,6 +114,14 @@ impl CycleCurve {
         Some((fine, x))
     }
 
+    /// The unknowns of the cycle itself.
+    fn of_cycle(&self, point: &Point) -> Point {
+        let orbit = self.orbit(point);
+        let unknowns = orbit.nodes.len() - orbit.dim + 1;
+        let [x, tangent] = [&point.x, &point.tangent].map(|x| x[..unknowns].to_vec());
+        Point { x, tangent, lambda: 0.0, tangent_lambda: 0.0 }
+    }
+
     fn fold(&self, point: &Point) -> Result<f64, Singular> {
         self.place(&point.x, point.lambda)?.fold(&self.multipliers(point)?)
     }
@@ -160,24 +168,27 @@ impl System for CycleCurve {
     /// Moves the mesh, takes the point as phase reference and the null vectors as borders.
     fn prepare(&mut self, point: &mut Point) -> bool {
         let before = self.orbit(point);
-        let orbital = before.nodes.len() - before.dim + 1;
-        let mut inner_point = Point {
-            x: point.x[..orbital].to_vec(),
-            tangent: point.tangent[..orbital].to_vec(),
-            lambda: 0.0,
-            tangent_lambda: 0.0,
-        };
-        let moved = self.cycle.system.prepare(&mut inner_point);
+        let mut cycle = self.of_cycle(point);
+        let unknowns = cycle.x.len();
+        let moved = self.cycle.system.prepare(&mut cycle);
         if moved {
-            point.x.splice(..orbital, inner_point.x);
-            point.tangent.splice(..orbital, inner_point.tangent);
+            point.x.splice(..unknowns, cycle.x);
+            point.tangent.splice(..unknowns, cycle.tangent);
             self.cycle.borders = self.cycle.borders.interpolated(&before, &self.cycle.system.mesh, before.degree);
         }
         self.cache = Cache::default();
         // Old borders serve where new ones cannot be had.
         let _ = self.cycle.follow(&Self::unknowns(point));
+        self.align(point);
         normalise(self, point);
         moved
+    }
+
+    fn align(&self, past: &mut Point) {
+        let mut cycle = self.of_cycle(past);
+        self.cycle.system.align(&mut cycle);
+        past.x[..cycle.x.len()].copy_from_slice(&cycle.x);
+        past.tangent[..cycle.x.len()].copy_from_slice(&cycle.tangent);
     }
 }
 

@@ -188,7 +188,7 @@ fn equilibrium(problem: &dyn Problem, (start, size): (&[f64], f64), p: &[f64]) -
         let (gu, _) = problem.linearised(at);
         let mut r = vec![0.0; u.len()];
         problem.residual(at, &mut r);
-        Lu::new(gu.as_ref()).ok()?.solve(&mut r);
+        Lu::new(gu).ok()?.solve(&mut r);
         if !finite(&r) {
             return None;
         }

@@ -111,7 +111,7 @@ impl Place {
             whole[(i, n)] = if i < n { rows.at(i, 2 * n) } else { phase.z[0] };
         }
         let nearest = nu.iter().map(|nu| (nu - 1.0).norm()).fold(f64::INFINITY, f64::min);
-        Ok(Lu::new(whole.as_ref())?.sign() * pivots(rows, symmetry, nu)? * nearest)
+        Ok(Lu::new(whole)?.sign() * pivots(rows, symmetry, nu)? * nearest)
     }
 
     /// The base system's solution (w, P').

@@ -96,7 +96,7 @@ pub(super) fn pivots(rows: Rows, symmetry: &Reflection, nu: &[c64]) -> Result<f6
     let kappa = -4.0 * nu.iter().fold(1.0, |most: f64, nu| most.max(nu.norm()));
     let mut far = rows.c.to_owned();
     rows.add_end(symmetry, kappa, far.as_mut());
-    Ok(Lu::new(far.as_ref())?.sign())
+    Ok(Lu::new(far)?.sign())
 }
 
 pub(super) fn flip(nu: &[c64]) -> f64 {

@@ -18,7 +18,7 @@ use super::resume::{Checkpoint, Keeper};
 use super::study::Prepared;
 use super::watch::Watch;
 use crate::branch::{Branch, Kind, SpecialPoint};
-use crate::continuation::{Counts, Failure, Point, Stop, Walk, at_lambda, crossing, inner};
+use crate::continuation::{Counts, Failure, Point, Step, Stop, Walk, at_lambda, crossing, inner};
 use crate::orbit::bifurcations::{Amplitude, Event, Homoclinic, KEPT, Passage, Segment, Signs, hopf_beside};
 use crate::orbit::{Collocation, OrbitFactors};
 use crate::problem::{Problem, Reflection};
@@ -269,7 +269,7 @@ impl Cycles<'_> {
                 }
                 return Ok(End::Recognised(reason));
             }
-            let mut between = self.user_values(&*walk.system, &step.from, &step.to, (counts, watch));
+            let mut between = self.user_values(&*walk.system, &step, (counts, watch));
             let next = self.signs(&step.to, &step.factors, &wanted, counts);
             // At the first point nothing has been looked at yet: its signs come from the factors of the first step.
             let before = self.signs_before(&signs, &*walk.system, &step.from, &wanted, counts);
@@ -402,8 +402,7 @@ impl Cycles<'_> {
     fn user_values(
         &self,
         system: &Collocation,
-        from: &Point,
-        to: &Point,
+        Step { from, to, factors, .. }: &Step<OrbitFactors>,
         (counts, watch): (&mut Counts, &Watch),
     ) -> Vec<Between> {
         let mut found = Vec::new();
@@ -430,7 +429,8 @@ impl Cycles<'_> {
                     (0, goal) => Ok(goal),
                     _ => crossing(system, (from, to), &value, counts).map(|point| point.lambda),
                 };
-                match lambda.and_then(|lambda| at_lambda(system, (from, to), lambda, counts)) {
+                let held = (piece + 2 == places.len()).then_some(&**factors);
+                match lambda.and_then(|lambda| at_lambda(system, (from, to), lambda, held, counts)) {
                     Ok(corrected) => found.push(Between {
                         fraction: fraction(system, (&places[0], &places[places.len() - 1]), &corrected.point),
                         point: corrected.point,

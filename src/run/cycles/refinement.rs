@@ -3,15 +3,16 @@
 //!
 //! From the present orbit one Newton step suffices, which leaves the error of the error. Its matrix is the largest that
 //! a branch has to factor; neighbouring rows differ little, so that the factors of one row serve for the next ones. There
-//! the solution is approached by Anderson's method from the present orbit and the correction that was made where the
-//! factors are from, until all numbers are sure.
+//! the solution is approached by Anderson's method from the present orbit and the correction that the last row got, until all
+//! numbers are sure.
 
 use super::quantities::measure;
 use crate::continuation::{Border, Chord, Counts, System};
 use crate::orbit::{Collocation, Frame, Orbit, OrbitFactors};
-use crate::problem::Problem;
+use crate::problem::{self, Problem};
 use crate::run::study::Prepared;
 use serde::{Deserialize, Serialize};
+use std::cell::OnceCell;
 
 /// An error is sure once a step changes it by no more than this part,
 const SURE: f64 = 0.1;
@@ -22,32 +23,18 @@ const TIRED: usize = 4;
 /// and so many in vain are the most that is lost.
 const MOST_STEPS: usize = 6;
 
-/// The row that factors are from; as little as it takes to make them again.
+/// The row that factors are from, and what the last row was corrected by.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Place {
     orbit: Orbit,
     lambda: f64,
+    correction: Vec<f64>,
 }
 
-/// Factors of a refined system.
+/// Factors of a refined system, and where they are from.
 struct Anchor {
     place: Place,
     factors: OrbitFactors,
-    /// The Newton step from the orbit there.
-    step: Vec<f64>,
-}
-
-impl Anchor {
-    fn new(fine: &Fine, place: Place, counts: &mut Counts) -> Option<Self> {
-        let Fine { system, x } = fine;
-        let border = Border { row: vec![0.0; x.len()], lambda: 1.0 };
-        counts.factorisations += 1;
-        let factors = system.factor(x, place.lambda, &border).ok()?;
-        let mut chord = Chord::new(system, (x.clone(), place.lambda), &factors);
-        chord.advance(counts).ok()?;
-        let step = chord.x.iter().zip(x).map(|(y, x)| y - x).collect();
-        Some(Self { place, factors, step })
-    }
 }
 
 /// An orbit on the finer discretisation, not yet solved for there.
@@ -58,13 +45,19 @@ pub struct Fine {
 
 impl Fine {
     /// None if the finer problem lacks the orbit's symmetry.
-    pub fn new(prepared: &Prepared, frame: &Frame, orbit: &Orbit) -> Option<Self> {
-        let (frame, finer) = match prepared.problem.refined() {
+    pub fn new(finer: Option<&problem::Refinement>, frame: &Frame, orbit: &Orbit) -> Option<Self> {
+        let (frame, finer) = match finer {
             Some(refinement) => (frame.of(&refinement.problem)?, orbit.mapped(&*refinement.prolong)),
             None => (frame.clone(), orbit.clone()),
         };
         let finer = finer.interpolated(&orbit.mesh, orbit.degree + 1);
         Some(Self { x: Collocation::unknowns(&finer), system: Collocation::new(frame, &finer) })
+    }
+
+    fn factor(&self, lambda: f64, counts: &mut Counts) -> Option<OrbitFactors> {
+        counts.factorisations += 1;
+        let border = Border { row: vec![0.0; self.x.len()], lambda: 1.0 };
+        self.system.factor(&self.x, lambda, &border).ok()
     }
 
     fn measure(&self, prepared: &Prepared, x: &[f64], lambda: f64) -> Vec<f64> {
@@ -76,17 +69,25 @@ impl Fine {
 /// Finds rows' numbers on the finer discretisation, one row after the other.
 #[derive(Default)]
 pub struct Refinement {
+    /// The problem's own, made when it is first asked for.
+    finer: OnceCell<Option<problem::Refinement>>,
     anchor: Option<Anchor>,
 }
 
 impl Refinement {
     /// With the factors of a row that was refined before.
     pub fn at(prepared: &Prepared, frame: &Frame, place: Option<Place>) -> Self {
-        let anchor = place.and_then(|place| {
-            let fine = Fine::new(prepared, frame, &place.orbit)?;
-            Anchor::new(&fine, place, &mut Counts::default())
+        let mut refinement = Self::default();
+        refinement.anchor = place.and_then(|place| {
+            let fine = Fine::new(refinement.finer(prepared), frame, &place.orbit)?;
+            let factors = fine.factor(place.lambda, &mut Counts::default())?;
+            Some(Anchor { place, factors })
         });
-        Self { anchor }
+        refinement
+    }
+
+    fn finer(&self, prepared: &Prepared) -> Option<&problem::Refinement> {
+        self.finer.get_or_init(|| prepared.problem.refined()).as_ref()
     }
 
     /// Where the present factors are from.
@@ -102,17 +103,20 @@ impl Refinement {
         measured: &[f64],
         counts: &mut Counts,
     ) -> Option<Vec<f64>> {
-        let fine = Fine::new(prepared, frame, orbit)?;
-        if let Some(anchor) = self.anchor.take_if(|anchor| anchor.place.orbit.mesh == orbit.mesh)
-            && let Some((values, steps)) = approach(prepared, &fine, (&anchor, lambda), measured, counts)
+        let fine = Fine::new(self.finer(prepared), frame, orbit)?;
+        if let Some(mut anchor) = self.anchor.take_if(|anchor| anchor.place.orbit.mesh == orbit.mesh)
+            && let Some((values, steps)) = approach(prepared, &fine, (&mut anchor, lambda), measured, counts)
         {
             self.anchor = Some(anchor).filter(|_| steps < TIRED);
             return Some(values);
         }
-        self.anchor = Anchor::new(&fine, Place { orbit: orbit.clone(), lambda }, counts);
-        let step = &self.anchor.as_ref()?.step;
-        let solved: Vec<f64> = fine.x.iter().zip(step).map(|(x, step)| x + step).collect();
-        Some(fine.measure(prepared, &solved, lambda))
+        let factors = fine.factor(lambda, counts)?;
+        let mut chord = Chord::new(&fine.system, (fine.x.clone(), lambda), &factors, None);
+        chord.advance(counts).ok()?;
+        let values = fine.measure(prepared, &chord.x, lambda);
+        let place = Place { orbit: orbit.clone(), lambda, correction: difference(&chord.x, &fine.x) };
+        self.anchor = Some(Anchor { place, factors });
+        Some(values)
     }
 }
 
@@ -120,12 +124,12 @@ impl Refinement {
 fn approach(
     prepared: &Prepared,
     fine: &Fine,
-    (anchor, lambda): (&Anchor, f64),
+    (Anchor { place, factors }, lambda): (&mut Anchor, f64),
     measured: &[f64],
     counts: &mut Counts,
 ) -> Option<(Vec<f64>, usize)> {
-    let start = fine.x.iter().zip(&anchor.step).map(|(x, step)| x + step).collect();
-    let mut chord = Chord::new(&fine.system, (start, lambda), &anchor.factors);
+    let start = fine.x.iter().zip(&place.correction).map(|(x, correction)| x + correction).collect();
+    let mut chord = Chord::new(&fine.system, (start, lambda), &*factors, None);
     let mut last = fine.measure(prepared, &chord.x, lambda);
     for count in 1..=MOST_STEPS {
         chord.advance(counts).ok()?;
@@ -134,9 +138,14 @@ fn approach(
             (value - last).abs() <= (SURE * (value - coarse).abs()).max(ROUNDING * value.abs())
         };
         if values.iter().zip(&last).zip(measured).all(sure) {
+            place.correction = difference(&chord.x, &fine.x);
             return Some((values, count));
         }
         last = values;
     }
     None
+}
+
+fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
 }

@@ -156,8 +156,9 @@ impl Cycles<'_> {
 
     /// A point of the branch on the finer discretisation, not yet a solution there.
     fn finer_point(&self, system: &Collocation, point: &Point) -> Option<(Collocation, Point)> {
-        let Fine { system: fine, x } = Fine::new(self.prepared, &system.frame, &system.orbit(&point.x))?;
-        let Fine { x: tangent, .. } = Fine::new(self.prepared, &system.frame, &system.orbit(&point.tangent))?;
+        let finer = self.prepared.problem.refined();
+        let on_finer = |x: &[f64]| Fine::new(finer.as_ref(), &system.frame, &system.orbit(x));
+        let (Fine { system: fine, x }, Fine { x: tangent, .. }) = (on_finer(&point.x)?, on_finer(&point.tangent)?);
         Some((fine, Point { x, tangent, ..point.clone() }))
     }
 

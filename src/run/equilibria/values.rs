@@ -32,7 +32,7 @@ pub fn user_values(
                 } else if i > 0 && value(&samples[i - 1].point) * value(&samples[i].point) < 0.0 {
                     let ends = (&samples[i - 1].point, &samples[i].point);
                     let point = match observable {
-                        None => at_lambda(system, ends, system.coordinate.of(goal), counts)?.point,
+                        None => at_lambda(system, ends, system.coordinate.of(goal), None, counts)?.point,
                         Some(_) => crossing(system, ends, &value, counts)?,
                     };
                     samples.insert(i, Sample::new(point, Some(Mark::User)));
