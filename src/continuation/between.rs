@@ -54,10 +54,13 @@ pub fn at_lambda<S: System>(
     let (x, _) = hermite(a, b, length, low);
     let border = Border { row: vec![0.0; x.len()], lambda: d_lambda.signum() };
     let plane = Some(Plane { border: &border, along: b });
-    match held.map(|held| settle(system, (x.clone(), lambda), (held, plane), SETTLED, counts)) {
-        Some(Ok(settled)) => refactor(system, settled, &border, counts),
-        _ => correct(system, (x, lambda), &border, counts),
-    }
+    let mut corrected = match held.map(|held| settle(system, (x.clone(), lambda), (held, plane), SETTLED, counts)) {
+        Some(Ok(settled)) => refactor(system, settled, &border, counts)?,
+        _ => correct(system, (x, lambda), &border, counts)?,
+    };
+    // Not even off by rounding.
+    corrected.point.lambda = lambda;
+    Ok(corrected)
 }
 
 /// The solution between a and b where a function of it vanishes: regula falsi (Illinois) along the chord, to the

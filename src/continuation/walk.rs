@@ -169,8 +169,8 @@ impl<'a, S: System> Walk<'a, S> {
         let gap: Vec<f64> = to.x.iter().zip(&from.x).map(|(a, b)| a - b).collect();
         let gap = (&gap[..], to.lambda - from.lambda);
         let chord = inner(&*self.system, gap, gap).sqrt();
-        let half = 0.5 * self.cosine(from, to).acos().max(1e-6);
-        chord * half / half.sin()
+        let half = 0.5 * self.cosine(from, to).acos();
+        if half > 0.0 { chord * half / half.sin() } else { chord }
     }
 
     /// Of the angle between two points' tangents.

@@ -71,6 +71,8 @@ impl From<Singular> for BranchError {
 }
 
 const MOST_STEPS: usize = 25;
+/// Of two entries as large as this in parts of each other, the first counts.
+const NEARLY: f64 = 0.9;
 /// beta b in parts of G_u and the state's scale: less is rounding.
 const IMPERFECT: f64 = 1e-8;
 
@@ -263,9 +265,14 @@ impl BranchPoint {
         let kernel: Vec<f64> = (0..n).map(|i| parts[1] * orthonormal[0][i] - parts[0] * orthonormal[1][i]).collect();
         let form = BranchForm::new(place, at, (&kernel, &w), &tangents, &frame.mass)?;
         if form.pitchfork() {
-            // The curve of the new states is vertical; rounding is not to decide to which side it leans.
+            // The curve of the new states is vertical; rounding is not to decide to which side it leans, nor on which it is
+            // entered: on that of the largest entry.
             let vertical = if tangents[0][n].abs() < tangents[1][n].abs() { 0 } else { 1 };
             tangents[vertical][n] = 0.0;
+            let most = tangents[1].iter().fold(0.0_f64, |most, t| most.max(t.abs()));
+            if vertical == 1 && tangents[1].iter().find(|t| t.abs() > NEARLY * most).is_some_and(|&t| t < 0.0) {
+                tangents[1].iter_mut().for_each(|t| *t = -*t);
+            }
         }
         let (along, across) = (place.unscaled(&tangents[0]), place.unscaled(&tangents[1]));
         Ok(Self { along, across, form, rounding, u, p })
