@@ -219,17 +219,6 @@ impl Collocation {
         dot(&self.phase, &nodes[..self.phase.len()]) - self.phase_there
     }
 
-    /// An orbit's rates at the nodes, the last one left out: what moves it along itself.
-    fn along(&self, orbit: &Orbit) -> Vec<f64> {
-        let (n, m) = (orbit.dim, self.scheme.degree);
-        (0..self.phase.len() / n)
-            .flat_map(|i| {
-                let (from, to) = (self.mesh[i / m], self.mesh[i / m + 1]);
-                orbit.at(from + (to - from) * self.scheme.nodes[i % m], &self.scheme).1
-            })
-            .collect()
-    }
-
     /// Moves nodes, or a direction, along an orbit, until they miss the phase condition by nothing instead of `miss`.
     fn keep_phase(&self, along: &[f64], nodes: &mut [f64], miss: f64) {
         let moved = dot(&self.phase, along);
@@ -360,7 +349,7 @@ impl System for Collocation {
         } else {
             self.refer_to(&orbit);
             let miss = dot(&self.phase, &point.tangent[..self.phase.len()]);
-            self.keep_phase(&self.along(&self.reference), &mut point.tangent, miss);
+            self.keep_phase(&self.reference.rates(&self.scheme), &mut point.tangent, miss);
             // The metric has changed, too: the tangent's length is one again.
             let along = (&point.tangent[..], point.tangent_lambda);
             let length = inner(self, along, along).sqrt();
@@ -371,7 +360,7 @@ impl System for Collocation {
     }
 
     fn align(&self, past: &mut Point) {
-        let along = self.along(&self.orbit(&past.x));
+        let along = self.orbit(&past.x).rates(&self.scheme);
         let misses = [self.phase_of(&past.x), dot(&self.phase, &past.tangent[..along.len()])];
         self.keep_phase(&along, &mut past.x, misses[0]);
         self.keep_phase(&along, &mut past.tangent, misses[1]);

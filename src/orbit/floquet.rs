@@ -80,6 +80,9 @@ pub struct Transitions<'a> {
     formed: Option<MatRef<'a, f64>>,
 }
 
+/// Operations of a thread on transitions, below which there is nothing to gain.
+const WORTH_SHARING: usize = 200_000;
+
 struct Transition<'a> {
     c: MatRef<'a, f64>,
     /// None where D = -1: then C is the map.
@@ -91,7 +94,9 @@ impl<'a> Transitions<'a> {
     pub fn new(intervals: &[Rows<'a>]) -> Result<Self, Singular> {
         let one =
             |&Rows { c, d, .. }: &Rows<'a>| Ok(Transition { c, d: d.map(|d| Lu::new(d.to_owned())).transpose()? });
-        Ok(Self { maps: intervals.par_iter().map(one).collect::<Result<_, _>>()?, formed: None })
+        let least = WORTH_SHARING / intervals.first().map_or(1, |rows| rows.c.nrows().pow(3));
+        let maps = intervals.par_iter().with_min_len(least.max(1)).map(one);
+        Ok(Self { maps: maps.collect::<Result<_, _>>()?, formed: None })
     }
 
     /// With what was found for all of them together: their product, if condensation formed it.

@@ -66,15 +66,34 @@ impl Orbit {
 
     /// u and u' in interval j, from values and slopes of the Lagrange polynomials.
     fn combined(&self, j: usize, value: &[f64], slope: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let width = self.mesh[j + 1] - self.mesh[j];
         let (mut u, mut v) = (vec![0.0; self.dim], vec![0.0; self.dim]);
-        for l in 0..=self.degree {
-            for (i, &y) in self.node(j * self.degree + l).iter().enumerate() {
-                u[i] += value[l] * y;
-                v[i] += slope[l] * y / (width * self.part);
-            }
-        }
+        self.add_combination(j, value, 1.0, &mut u);
+        self.add_combination(j, slope, 1.0 / self.duration(j), &mut v);
         (u, v)
+    }
+
+    /// u' at the nodes, the last one left out.
+    pub fn rates(&self, scheme: &Scheme) -> Vec<f64> {
+        let slopes: Vec<Vec<f64>> = scheme.nodes[..self.degree].iter().map(|&x| scheme.slopes_at(x)).collect();
+        let mut rates = vec![0.0; self.intervals() * self.degree * self.dim];
+        for (k, rate) in rates.chunks_mut(self.dim).enumerate() {
+            let (j, i) = (k / self.degree, k % self.degree);
+            self.add_combination(j, &slopes[i], 1.0 / self.duration(j), rate);
+        }
+        rates
+    }
+
+    /// Of interval j.
+    fn duration(&self, j: usize) -> f64 {
+        (self.mesh[j + 1] - self.mesh[j]) * self.part
+    }
+
+    /// `y += factor sum_l weights_l u_l` over the nodes of interval j.
+    fn add_combination(&self, j: usize, weights: &[f64], factor: f64, y: &mut [f64]) {
+        for (l, weight) in weights.iter().enumerate() {
+            let weight = factor * weight;
+            y.iter_mut().zip(self.node(j * self.degree + l)).for_each(|(y, x)| *y += weight * x);
+        }
     }
 
     /// From u' in the frame that turns with the orbit to the rate at rest, seen from that frame.
