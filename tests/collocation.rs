@@ -361,6 +361,34 @@ impl Formula for Circle {
 }
 
 #[test]
+fn a_past_orbit_is_brought_into_the_phase_of_the_present_one() {
+    let solved = van_der_pol(Form::Plain, false, 1.0, (20, Points::Gauss, 4));
+    let present = orbit(&solved);
+    let (_, Corrected { mut point, .. }) = solved;
+    let mut system = Collocation::new(frame(Form::Plain, false), &present);
+    system.prepare(&mut point);
+    let scheme = Scheme::new(Points::Gauss, 4);
+    let at = |later: f64| -> Vec<(Vec<f64>, Vec<f64>)> {
+        let times = present.mesh.windows(2).flat_map(|w| scheme.nodes[..4].iter().map(|x| w[0] + x * (w[1] - w[0])));
+        times.map(|t| present.at((t + later) % 1.0, &scheme)).collect()
+    };
+    let (later, along) = (1e-4, 0.3);
+    let mut past = point.clone();
+    for (k, ((u, _), (_, v))) in at(later).iter().zip(at(0.0)).enumerate() {
+        past.x[2 * k..][..2].copy_from_slice(u);
+        (0..2).for_each(|i| past.tangent[2 * k + i] += along * v[i]);
+    }
+    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(distance(&past.x, &point.x) > later && distance(&past.tangent, &point.tangent) > along);
+    system.align(&mut past);
+    // What is left is what the rates change by meanwhile.
+    let rates = |later: f64| -> Vec<f64> { at(later).into_iter().flat_map(|(_, v)| v).collect() };
+    let change = distance(&rates(later), &rates(0.0));
+    near("states", distance(&past.x, &point.x), 0.0, later * PERIOD * change);
+    near("tangents", distance(&past.tangent, &point.tangent), 0.0, 2.0 * along * change);
+}
+
+#[test]
 fn the_branch_of_circles_from_a_hopf_point_is_exact_all_along() {
     let problem: Arc<dyn Problem> = Arc::new(Automatic(Circle(vec![parameter("mu", 0.1)])));
     let hopf = hopf_of_pair(&problem, (&[0.0, 0.0], &[0.1]), 0, 10.0, 0);

@@ -279,3 +279,28 @@ fn points_between_two_others_lie_on_the_curve_where_they_were_asked_for() {
         }
     }
 }
+
+/// The first point of a step that the equations are evaluated at is the predicted one: by one, two, three points with their
+/// tangents.
+#[test]
+fn predictions_gain_two_orders_with_each_point() {
+    let misses = |h: f64| -> Vec<f64> {
+        let asked = std::cell::RefCell::new(Vec::new());
+        let mut system = Curve(|x: f64, l: f64| {
+            asked.borrow_mut().push(x.hypot(l) - 1.0);
+            circle(x, l)
+        });
+        let first = start(&system, 1.0, 0.0);
+        let mut along = Walk::new(&mut system, first, control(h, h), (-2.0, 2.0));
+        (0..3)
+            .map(|_| {
+                asked.borrow_mut().clear();
+                along.step().expect("a step");
+                asked.borrow()[0].abs()
+            })
+            .collect()
+    };
+    for (k, (coarse, fine)) in misses(0.2).iter().zip(misses(0.1)).enumerate() {
+        near("the order", (coarse / fine).log2(), 2.0 * (k + 1) as f64, 0.2);
+    }
+}
