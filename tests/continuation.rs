@@ -300,7 +300,7 @@ fn predictions_gain_two_orders_with_each_point() {
             })
             .collect()
     };
-    for (k, (coarse, fine)) in misses(0.2).iter().zip(misses(0.1)).enumerate() {
+    for (k, (coarse, fine)) in misses(0.1).iter().zip(misses(0.05)).enumerate() {
         near("the order", (coarse / fine).log2(), 2.0 * (k + 1) as f64, 0.2);
     }
 }
