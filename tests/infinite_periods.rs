@@ -97,3 +97,21 @@ TOLERANCE
     });
     close("mu", ends[0], ends[1], 1e-5);
 }
+
+/// The cycles of the predator-prey model end at a cycle of two connections between saddles without predators. The rate is
+/// 1/(1/mu_1 + (nu_1/mu_1)/mu_2) with the saddles' eigenvalues where the connection is, in 30 digits.
+#[test]
+fn a_cycle_of_connections_is_recognised_by_all_its_saddles() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("problems/predator-prey-diagram.toml");
+    let scene = Scene::load(&path, &[]).unwrap();
+    let out = tempfile::tempdir().unwrap();
+    let options = RunOptions { out: out.path().to_owned(), only: Vec::new(), resume: false, quiet: true };
+    let summary = run(&scene, &options).unwrap();
+    let reason = &summary.tasks.iter().find(|task| task.name == "all-4").unwrap().reason;
+    assert!(reason.contains("that of the 2 saddles is 0.2211"), "{reason}");
+    let end = summary.points.iter().find(|point| point.label == "all-4/EP1").unwrap();
+    close("rate", end.values["rate"], 0.221116516739872, 2e-3);
+    // Errors are estimates; here it is that of the mesh.
+    let (off, error) = ((end.values["homoclinic"] - 0.7080728074984).abs(), end.errors["homoclinic"]);
+    assert!(off < 2.0 * error && error < 1e-8, "{off} {error}");
+}

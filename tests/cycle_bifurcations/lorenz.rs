@@ -131,7 +131,7 @@ fn the_branch_from_the_hopf_point_ends_at_a_homoclinic_orbit() {
     let end = followed.homoclinic.expect("a homoclinic end");
     near("rho", end.lambda, 13.926557, 5e-7);
     // The state of rest, whose slow stable rate is beta.
-    let Passed::Saddle { rate, own } = end.passed else { panic!("{:?}", end.passed) };
+    let Passed::Saddle { rate, own, saddles: 1 } = end.passed else { panic!("{:?}", end.passed) };
     close("its rate", own.expect("a saddle"), 8.0 / 3.0, 1e-9);
     // The stable rate beta is smaller than the unstable one.
     close("rate", rate, 8.0 / 3.0, 1e-2);

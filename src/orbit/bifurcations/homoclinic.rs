@@ -12,10 +12,14 @@
 //! rate and omega being those of the eigenvalue nearest to the imaginary axis (Shilnikov; Glendinning and Sparrow 1984,
 //! doi:10.1007/BF01010828; Kuznetsov 2004, doi:10.1007/978-1-4757-3978-7, sections 6.2 and 7.1). Two witnesses must agree:
 //! what the periods say, and the equilibrium itself with its eigenvalues, or as a fold of equilibria (SNIC).
+//!
+//! Where the cycle passes several saddles (a heteroclinic cycle), that behind the connection which breaks is entered at a distance
+//! of |lambda - lambda_h|, and each of them, with nearest eigenvalues -nu and mu, turns a distance d into d^(nu/mu) while -ln d / mu
+//! goes by: `1/rate = 1/mu_1 + (nu_1/mu_1)/mu_2 + ...`, or the same backwards in time if the product of all nu/mu is below 1.
 
 use crate::bifurcation::Fold;
 use crate::continuation::Point;
-use crate::linalg::{Lu, c64, dot, finite, norm, pencil};
+use crate::linalg::{Lu, c64, finite, norm, pencil};
 use crate::orbit::{Collocation, Orbit};
 use crate::problem::{At, Problem};
 use faer::Mat;
@@ -35,9 +39,9 @@ pub struct Passage {
 /// What the orbit passes.
 #[derive(Clone, Debug)]
 pub enum Passed {
-    /// With the rate as the periods have it, and as the equilibrium has it beside which the orbit slows down, if there is
-    /// one.
-    Saddle { rate: f64, own: Option<f64> },
+    /// With the rate as the periods have it, as the equilibria have it beside which the orbit slows down, if there are such, and
+    /// how many of them the computed part of the orbit passes.
+    Saddle { rate: f64, own: Option<f64>, saddles: usize },
     /// With the equilibrium's rate and frequency.
     Focus { rate: f64, omega: f64 },
     /// A fold of equilibria on the invariant circle.
@@ -70,6 +74,8 @@ const SHRUNK: f64 = 0.2;
 /// Beside a saddle-node, when it is within this part of its distance from where the periods have it: that is also the part
 /// of the period that the way outside the passage takes.
 const SAME: f64 = 0.02;
+/// An orbit comes near to an equilibrium within this part of its own size.
+const BESIDE: f64 = 1e-2;
 /// Steps of Newton's method to the equilibrium.
 const MOST_STEPS: usize = 20;
 
@@ -112,12 +118,18 @@ fn saddle(passages: &[Passage], (system, point): (&Collocation, &Point), extent:
     if !(rate > 0.0 && left < near * extent) {
         return None;
     }
-    let own = leading(system, point, rate).map(|value| value.re);
+    let (own, saddles) = match passed(system, point, rate) {
+        saddles if saddles.len() > 1 => {
+            let off = |own: &f64| (own / rate).ln().abs();
+            (rates(&saddles).into_iter().min_by(|a, b| off(a).total_cmp(&off(b))), saddles.len())
+        }
+        _ => (leading(system, point, rate).map(|value| value.re), 1),
+    };
     // Where the rates disagree, the discretisation has its share in what is left.
     let apart = own.map(|own| (own / rate - 1.0).abs());
     let agree = apart.is_some_and(|apart| apart < AGREEMENT);
     let error = (lambda - before).abs().max(left * apart.unwrap_or(0.0).max(f64::EPSILON.sqrt()));
-    let passed = Passed::Saddle { rate, own };
+    let passed = Passed::Saddle { rate, own, saddles };
     (agree || left < STANDSTILL * extent).then_some(Homoclinic { lambda, error, passed })
 }
 
@@ -172,12 +184,20 @@ fn focus(passages: &[Passage], (system, point): (&Collocation, &Point), extent: 
     (near && off < ON_SPIRAL * widest).then_some(Homoclinic { lambda, error, passed })
 }
 
+/// Amid the intervals, where the orbit is and how it moves.
+fn motions(orbit: &Orbit) -> Vec<(Vec<f64>, Vec<f64>)> {
+    let scheme = orbit.scheme();
+    orbit.mesh.windows(2).map(|w| orbit.at(0.5 * (w[0] + w[1]), &scheme)).collect()
+}
+
 /// Where the orbit moves most slowly, and how.
 fn slowest(orbit: &Orbit) -> (Vec<f64>, Vec<f64>) {
-    let scheme = orbit.scheme();
-    let middle = |w: &[f64]| orbit.at(0.5 * (w[0] + w[1]), &scheme);
-    let motions = orbit.mesh.windows(2).map(middle);
-    motions.min_by(|a, b| dot(&a.1, &a.1).total_cmp(&dot(&b.1, &b.1))).unwrap_or_default()
+    motions(orbit).into_iter().min_by(|a, b| norm(&a.1).total_cmp(&norm(&b.1))).unwrap_or_default()
+}
+
+/// The size of an orbit's states.
+fn extent(orbit: &Orbit) -> f64 {
+    norm(&orbit.nodes) / ((orbit.nodes.len() / orbit.dim) as f64).sqrt()
 }
 
 /// The equilibrium nearest to a state, by Newton's method; `size` is that of states.
@@ -200,13 +220,16 @@ fn equilibrium(problem: &dyn Problem, (start, size): (&[f64], f64), p: &[f64]) -
     None
 }
 
-/// Minus the real part and the frequency of the eigenvalue nearest to the imaginary axis of the equilibrium beside which an
-/// orbit slows down, on whichever side; None if it is no saddle. `size` is that of its rate.
-fn leading(system: &Collocation, point: &Point, size: f64) -> Option<c64> {
-    let (problem, p) = (&*system.frame.problem, system.parameters(point.lambda));
-    let orbit = system.orbit(&point.x);
-    let extent = norm(&orbit.nodes) / ((orbit.nodes.len() / orbit.dim) as f64).sqrt();
-    let u = equilibrium(problem, (&slowest(&orbit).0, extent), &p)?;
+/// A saddle's eigenvalues nearest to the imaginary axis on both sides.
+struct Saddle {
+    stable: c64,
+    unstable: c64,
+}
+
+/// The equilibrium near a state of an orbit, and its eigenvalues if it is a saddle. `size` is that of its rate.
+fn saddle_at(system: &Collocation, lambda: f64, near: (&[f64], f64), size: f64) -> Option<(Vec<f64>, Saddle)> {
+    let (problem, p) = (&*system.frame.problem, system.parameters(lambda));
+    let u = equilibrium(problem, near, &p)?;
     let rest = vec![0.0; u.len()];
     let (gu, gv) = problem.linearised(At { u: &u, v: &rest, p: &p });
     // Irrational in units of the rate, so that it is no eigenvalue itself.
@@ -215,7 +238,54 @@ fn leading(system: &Collocation, point: &Point, size: f64) -> Option<c64> {
         let side = values.iter().map(|pair| pair.value).filter(|value| sign * value.re > 0.0);
         side.min_by(|a, b| a.re.abs().total_cmp(&b.re.abs()))
     };
-    let (stable, unstable) = (nearest(-1.0)?, nearest(1.0)?);
+    Some((u, Saddle { stable: nearest(-1.0)?, unstable: nearest(1.0)? }))
+}
+
+/// Minus the real part and the frequency of the eigenvalue nearest to the imaginary axis of the equilibrium beside which an
+/// orbit slows down, on whichever side; None if it is no saddle.
+fn leading(system: &Collocation, point: &Point, size: f64) -> Option<c64> {
+    let orbit = system.orbit(&point.x);
+    let (_, Saddle { stable, unstable }) = saddle_at(system, point.lambda, (&slowest(&orbit).0, extent(&orbit)), size)?;
     let value = if stable.re.abs() < unstable.re { stable } else { unstable };
     Some(c64::new(value.re.abs(), value.im.abs()))
+}
+
+/// The saddles that the computed part of an orbit comes near to, in order.
+fn passed(system: &Collocation, point: &Point, size: f64) -> Vec<Saddle> {
+    let orbit = system.orbit(&point.x);
+    let (motions, extent) = (motions(&orbit), extent(&orbit));
+    let count = motions.len();
+    let speed = |j: usize| norm(&motions[j % count].1);
+    let slow = (0..count).filter(|&j| speed(j) <= speed(j + count - 1) && speed(j) < speed(j + 1));
+    let distance = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
+    let mut found: Vec<(Vec<f64>, Saddle)> = Vec::new();
+    for j in slow {
+        let there = &motions[j].0;
+        let saddle = saddle_at(system, point.lambda, (there, extent), size);
+        found.extend(saddle.filter(|(u, _)| distance(u, there) < BESIDE * extent));
+    }
+    // Several slow places beside one equilibrium are one passage.
+    found.dedup_by(|(a, _), (b, _)| distance(a, b) < BESIDE * extent);
+    if found.len() > 1 && distance(&found[0].0, &found[found.len() - 1].0) < BESIDE * extent {
+        found.pop();
+    }
+    found.into_iter().map(|(_, saddle)| saddle).collect()
+}
+
+/// The rate at which the period grows at a heteroclinic cycle, for each of the connections that may break.
+fn rates(saddles: &[Saddle]) -> Vec<f64> {
+    let mut pairs: Vec<[f64; 2]> = saddles.iter().map(|saddle| [-saddle.stable.re, saddle.unstable.re]).collect();
+    if pairs.iter().map(|[nu, mu]| nu / mu).product::<f64>() < 1.0 {
+        pairs.reverse();
+        pairs.iter_mut().for_each(|pair| pair.swap(0, 1));
+    }
+    let from = |first: usize| {
+        let (mut time, mut power) = (0.0, 1.0);
+        for [nu, mu] in pairs.iter().cycle().skip(first).take(pairs.len()) {
+            time += power / mu;
+            power *= nu / mu;
+        }
+        1.0 / time
+    };
+    (0..pairs.len()).map(from).collect()
 }

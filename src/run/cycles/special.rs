@@ -227,8 +227,13 @@ fn errors(names: impl Iterator<Item = String>, here: &[f64], there: &[f64]) -> V
 pub fn endless(name: &str, end: &Homoclinic) -> String {
     let at = end.lambda;
     match &end.passed {
-        Passed::Saddle { rate, own } => {
-            let own = own.map_or(String::new(), |own| format!("; the equilibrium's own is {own:.6}"));
+        Passed::Saddle { rate, own, saddles } => {
+            let whose = if *saddles > 1 {
+                format!("that of the {saddles} saddles")
+            } else {
+                "the equilibrium's own".to_owned()
+            };
+            let own = own.map_or(String::new(), |own| format!("; {whose} is {own:.6}"));
             format!(
                 "the period grows without bound: there is a homoclinic or heteroclinic orbit at {name} = {at}, which it grows \
                  to as -ln|{name} - {at:.6}| over {rate:.6}{own}"
