@@ -26,8 +26,9 @@ use super::shape::add_drift;
 use super::turning::turned;
 use super::{Orbit, Points, Scheme, adapted};
 use crate::continuation::{Border, Point, System, inner};
-use crate::linalg::{Matrix, Singular, dot};
+use crate::linalg::{Lu, Matrix, Singular, dot};
 use crate::problem::{At, Direction, Problem, Reflection, Rotation};
+use faer::Mat;
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -218,11 +219,33 @@ impl Collocation {
         dot(&self.phase, &nodes[..self.phase.len()]) - self.phase_there
     }
 
-    /// Moves nodes, or a direction, along an orbit, until they miss the phase condition by nothing instead of `miss`.
-    fn keep_phase(&self, along: &[f64], nodes: &mut [f64], miss: f64) {
-        let moved = dot(&self.phase, along);
-        if moved != 0.0 {
-            nodes.iter_mut().zip(along).for_each(|(x, a)| *x -= miss / moved * a);
+    /// What the rows of the phase conditions, of time and of rotations, give for nodes or a direction.
+    fn phases(&self, nodes: &[f64]) -> Vec<f64> {
+        let rows = std::iter::once(&self.phase).chain(&self.turns);
+        rows.map(|row| dot(row, &nodes[..row.len()])).collect()
+    }
+
+    /// Directions at the nodes, the last one left out, in which an orbit moves along itself and turns.
+    fn motions(&self, orbit: &Orbit) -> Vec<Vec<f64>> {
+        let rates = orbit.rates(&self.scheme);
+        let turned = |rotation: &Rotation| {
+            let mut turned = vec![0.0; rates.len()];
+            let states = orbit.nodes.chunks(orbit.dim);
+            turned.chunks_mut(orbit.dim).zip(states).for_each(|(out, u)| rotation.add(1.0, u, out));
+            turned
+        };
+        let turns = self.rotations().iter().map(turned).collect::<Vec<_>>();
+        std::iter::once(rates).chain(turns).collect()
+    }
+
+    /// Moves nodes, or a direction, along an orbit's `motions` until they miss the phase conditions by nothing instead of
+    /// `misses`.
+    fn keep_phase(&self, motions: &[Vec<f64>], nodes: &mut [f64], mut misses: Vec<f64>) {
+        let moved: Vec<Vec<f64>> = motions.iter().map(|motion| self.phases(motion)).collect();
+        let Ok(lu) = Lu::new(Mat::from_fn(moved.len(), moved.len(), |i, j| moved[j][i])) else { return };
+        lu.solve(&mut misses);
+        for (motion, share) in motions.iter().zip(misses) {
+            nodes.iter_mut().zip(motion).for_each(|(x, m)| *x -= share * m);
         }
     }
 
@@ -347,8 +370,8 @@ impl System for Collocation {
             true
         } else {
             self.refer_to(&orbit);
-            let miss = dot(&self.phase, &point.tangent[..self.phase.len()]);
-            self.keep_phase(&self.reference.rates(&self.scheme), &mut point.tangent, miss);
+            let misses = self.phases(&point.tangent);
+            self.keep_phase(&self.motions(&self.reference), &mut point.tangent, misses);
             // The metric has changed, too: the tangent's length is one again.
             let along = (&point.tangent[..], point.tangent_lambda);
             let length = inner(self, along, along).sqrt();
@@ -359,9 +382,10 @@ impl System for Collocation {
     }
 
     fn align(&self, past: &mut Point) {
-        let along = self.orbit(&past.x).rates(&self.scheme);
-        let misses = [self.phase_of(&past.x), dot(&self.phase, &past.tangent[..along.len()])];
-        self.keep_phase(&along, &mut past.x, misses[0]);
-        self.keep_phase(&along, &mut past.tangent, misses[1]);
+        let motions = self.motions(&self.orbit(&past.x));
+        let (mut of_nodes, of_tangent) = (self.phases(&past.x), self.phases(&past.tangent));
+        of_nodes[0] -= self.phase_there;
+        self.keep_phase(&motions, &mut past.x, of_nodes);
+        self.keep_phase(&motions, &mut past.tangent, of_tangent);
     }
 }
